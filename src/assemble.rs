@@ -88,7 +88,7 @@ mod wheels;
 mod world;
 
 use crate::settings::{Compat, InertiaSource, MeshCollision, Settings};
-use crate::urdf::{MeshShapes, ReadOptions};
+use crate::urdf::{ImpossibleInertia, MeshShapes, MissingMass, ReadOptions};
 pub use alone::{Assembled, build, inspect};
 pub use world::{Guest, of_object, of_robot, solid, take_ground, world};
 
@@ -97,7 +97,18 @@ pub use world::{Guest, of_object, of_robot, solid, take_ground, world};
 pub fn read_options(settings: &Settings, options: ReadOptions) -> ReadOptions {
     ReadOptions {
         scale: settings.scale,
-        ignore_inertia: settings.inertia != InertiaSource::Urdf,
+        impossible_inertia: match settings.inertia {
+            InertiaSource::Urdf => ImpossibleInertia::Refused,
+            InertiaSource::Nearest => ImpossibleInertia::Nearest,
+            InertiaSource::Collision | InertiaSource::PyBullet => ImpossibleInertia::Unused,
+        },
+        missing_mass: if settings.missing_mass.is_some() || settings.compat == Compat::PyBullet {
+            MissingMass::All
+        } else if settings.density.is_some() {
+            MissingMass::Shapes
+        } else {
+            MissingMass::Nothing
+        },
         pybullet: settings.compat == Compat::PyBullet
             || settings.inertia == InertiaSource::PyBullet,
         sensors: settings.described_sensors,

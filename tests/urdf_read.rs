@@ -17,7 +17,7 @@ use urdf2fmu_core::model::{ActuatorMode, JointKind, Limits};
 use urdf2fmu_core::settings::Settings;
 use urdf2fmu_core::simulation::Simulation;
 use urdf2fmu_core::spatial::{Mat3, Vec3};
-use urdf2fmu_core::urdf::{Description, ReadOptions, read, read_str};
+use urdf2fmu_core::urdf::{Description, ImpossibleInertia, ReadOptions, read, read_str};
 use urdf2fmu_core::variables::{Slot, find, table};
 
 fn robots() -> PathBuf {
@@ -426,14 +426,14 @@ fn meshes_of_every_format_give_the_same_hull() {
 fn problems_with_inertia_are_warnings_where_it_is_not_used() {
     let text = "<robot name='r'><link name='a'><inertial><mass value='1'/>
                 <inertia ixx='1' ixy='2' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link></robot>";
-    let read = |ignore_inertia| {
+    let read = |impossible_inertia| {
         let options = ReadOptions {
-            ignore_inertia,
+            impossible_inertia,
             ..ReadOptions::default()
         };
         read_str(text, "r.urdf", &robots(), &options)
     };
-    let refused = read(false).expect_err("not a body");
+    let refused = read(ImpossibleInertia::Refused).expect_err("not a body");
     assert_eq!(refused[0].code, "U061");
     // eigenvalues 3, 1, -1: second moments 3/2 - those = -3/2, 1/2, 5/2, the first to zero:
     // moments 3, 5/2, 1/2 along (1,1,0)/√2, z, (1,-1,0)/√2
@@ -442,9 +442,10 @@ fn problems_with_inertia_are_warnings_where_it_is_not_used() {
         help.contains("ixx=\"1.750000e0\" ixy=\"1.250000e0\""),
         "{help}"
     );
-    let robot = read(true).expect("a robot");
-    assert_eq!(robot.diagnostics[0].code, "U061");
-    assert_eq!(robot.diagnostics[0].severity, Severity::Warning);
+    for way in [ImpossibleInertia::Unused, ImpossibleInertia::Nearest] {
+        let told = &read(way).expect("a robot").diagnostics[0];
+        assert!(told.code == "U061" && told.severity == Severity::Warning);
+    }
 }
 
 #[test]

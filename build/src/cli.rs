@@ -14,7 +14,7 @@ use urdf2fmu_core::model::{ActuatorMode, Arrays, Interface};
 use urdf2fmu_core::settings::{BaseChoice, Compat, FmiVersion, InertiaSource, ObjectSettings};
 use urdf2fmu_drawing::picture::{self, Look, Toward};
 use values::{
-    ArrayStyle, InterfaceChoice, density, factor, package, place, rate, seconds, size, speed,
+    ArrayStyle, InterfaceChoice, density, factor, mass, package, place, rate, seconds, size, speed,
     tolerance, xacro_argument,
 };
 
@@ -95,6 +95,9 @@ pub(crate) struct Source {
     /// kg/m³, of links that the file gives no mass: they weigh what their collision shapes weigh
     #[arg(long, value_name = "DENSITY", value_parser = density, allow_hyphen_values = true)]
     pub(crate) density: Option<f64>,
+    /// kg, of links that cannot move without a mass: solids of their collision shapes, or balls
+    #[arg(long, value_name = "MASS", value_parser = mass, allow_hyphen_values = true)]
+    pub(crate) missing_mass: Option<f64>,
     /// Factor on every length; masses stay
     #[arg(long, value_name = "FACTOR", value_parser = factor, allow_hyphen_values = true)]
     pub(crate) scale: Option<f64>,
@@ -148,6 +151,8 @@ pub(crate) enum Mode {
 pub(crate) enum Inertia {
     /// As `<inertia>` says
     Urdf,
+    /// As `<inertia>` says, or the nearest that a body can have
+    Nearest,
     /// Computed from the collision shapes and the mass
     Collision,
     /// Computed as PyBullet does, of the box around the collision shapes
@@ -442,6 +447,7 @@ impl Source {
             }),
             inertia: self.inertia.map(|inertia| match inertia {
                 Inertia::Urdf => InertiaSource::Urdf,
+                Inertia::Nearest => InertiaSource::Nearest,
                 Inertia::Collision => InertiaSource::Collision,
                 Inertia::Pybullet => InertiaSource::PyBullet,
             }),
@@ -452,6 +458,7 @@ impl Source {
             sensors: self.sensors.map(|from| matches!(from, Sensors::Urdf)),
             pushable: false,
             density: self.density,
+            missing_mass: self.missing_mass,
             scale: self.scale,
             flat_names: self
                 .naming

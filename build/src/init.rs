@@ -156,6 +156,7 @@ fn robot(out: &mut String, subject: &Subject) {
     choice(out, "robot", "scale", &exact(settings.scale), scaled);
     let inertia = match settings.inertia {
         InertiaSource::Urdf => "urdf",
+        InertiaSource::Nearest => "nearest",
         InertiaSource::Collision => "collision",
         InertiaSource::PyBullet => "pybullet",
     };
@@ -170,6 +171,9 @@ fn robot(out: &mut String, subject: &Subject) {
     choice(out, "robot", "sensors", &quoted(sensors), active);
     if let Some(density) = settings.density {
         choice(out, "robot", "density", &exact(density), true);
+    }
+    if let Some(mass) = settings.missing_mass {
+        choice(out, "robot", "missing_mass", &exact(mass), true);
     }
     let active = compat != Compat::None;
     choice(out, "robot", "compat", &quoted(compat.word()), active);

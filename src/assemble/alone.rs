@@ -9,7 +9,7 @@ use super::{
 use crate::diagnostic::Diagnostic;
 use crate::digits::Digits;
 use crate::model::{BodyId, Initial, Model, OutputSelection, Root, RootId};
-use crate::settings::{InertiaSource, Settings};
+use crate::settings::Settings;
 use crate::spatial::Vec3;
 use crate::urdf::Description;
 
@@ -112,9 +112,8 @@ fn assemble(
         loops::close(&mut model, &given, (&places, true), findings);
     }
     let poses = initial::poses(&model);
-    let of_shapes = settings.inertia == InertiaSource::Collision;
     let (shapes, lines) = (&robot.shapes, &robot.lines);
-    let poses = inertia::complete(&mut model, poses, shapes, lines, of_shapes, findings);
+    let poses = inertia::complete(&mut model, poses, shapes, lines, settings, findings);
     initial::height(&mut model, &poses, settings, findings);
     warn_of_gravity(&model.world.gravity, findings);
     actuators::add(&mut model, &poses, &robot.lines, settings, findings);

@@ -15,8 +15,6 @@ pub(super) struct Findings {
     /// Where its lines start.
     starts: Vec<usize>,
     pub(super) list: Vec<Diagnostic>,
-    /// Joints along which nothing has inertia.
-    pub(super) unmoved: Vec<String>,
 }
 
 impl Findings {
@@ -31,7 +29,6 @@ impl Findings {
                 .collect(),
             text: Arc::clone(&description.text),
             list: Vec::new(),
-            unmoved: Vec::new(),
         }
     }
 

@@ -2,18 +2,28 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::findings::{Findings, counted};
+use super::findings::{Findings, counted, listed};
 use super::initial::Poses;
 use super::robot::Lines;
 use crate::dynamics::crba;
+use crate::geometry::Shape;
 use crate::model::{BodyId, LinkId, Model};
+use crate::settings::{InertiaSource, Settings};
 use crate::spatial::{Mat3, RigidInertia};
 use crate::urdf::CollisionDescription;
-use crate::urdf::solids::of_solids;
+use crate::urdf::solids::{of_density, of_solids};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Density of a suggested inertia, kg/m³: most robot parts are between plastics and hollow metal.
-const SUGGESTED_DENSITY: f64 = 1000.0;
+pub(super) const SUGGESTED_DENSITY: f64 = 1000.0;
+
+/// Mass of a link without shapes that is suggested, kg: that of a small part.
+pub(super) const SUGGESTED_MASS: f64 = 0.1;
+
+/// What a link without shapes is taken for where it must have some size: a ball of 5 cm, as most
+/// small parts of robots are.
+const FILLING: Shape = Shape::Sphere { radius: 0.05 };
 
 /// Part of its own inertia that must be left to a degree of freedom when all those behind it move
 /// freely. Far above the round-off of a mass matrix, far below any real mechanism.
@@ -23,8 +33,8 @@ const SMALLEST_SHARE: f64 = 1e-11;
 const SMALLEST_INERTIA: f64 = 1e-16;
 
 /// Gives links whose `<inertia>` is singular that of their shapes where the robot could not move
-/// otherwise, and reports degrees of freedom that have none even so. Returns the poses of the model
-/// as it is then; `of_shapes` says whether inertias are computed from the shapes in any case.
+/// otherwise, then those that are left what the settings say, and reports degrees of freedom that
+/// have none even so. Returns the poses of the model as it is then.
 ///
 /// A point mass or a line without width is a legal body as long as something turns it about another
 /// axis. Where nothing does, zeros mean that the inertia was not computed: a thousand of
@@ -34,12 +44,16 @@ pub(super) fn complete(
     mut poses: Poses,
     shapes: &[Vec<CollisionDescription>],
     lines: &Lines,
-    of_shapes: bool,
+    settings: &Settings,
     findings: &mut Findings,
 ) -> Poses {
+    let mut filled = BTreeSet::new();
     loop {
         let weak = match weak(model, &poses) {
-            Weak::Dofs(dofs) if dofs.is_empty() => return poses,
+            Weak::Dofs(dofs) if dofs.is_empty() => {
+                report_filled(model, &filled, findings);
+                return poses;
+            }
             Weak::Dofs(dofs) => dofs,
             Weak::NotFinite => {
                 let message =
@@ -57,11 +71,52 @@ pub(super) fn complete(
             .iter()
             .any(|&dof| from_solids(model, dof, shapes, lines, findings));
         if !changed {
-            report(model, &weak, lines, of_shapes, findings);
-            return poses;
+            let before = filled.len();
+            if let Some(mass) = settings.missing_mass {
+                for &dof in &weak {
+                    let link = model.bodies[model.dofs[dof].body.index()].link.index();
+                    if filled.insert(link) {
+                        fill(&mut model.links[link].inertia, mass, &shapes[link]);
+                    }
+                }
+            }
+            if filled.len() == before {
+                let of_shapes = settings.inertia == InertiaSource::Collision;
+                report(model, &weak, lines, of_shapes, findings);
+                return poses;
+            }
         }
         poses = super::initial::poses(model);
     }
+}
+
+/// Gives a link without mass `mass` kg, of its shapes as solids or without any as a ball, and one
+/// with a mass the inertia of such a ball.
+fn fill(inertia: &mut RigidInertia, mass: f64, shapes: &[CollisionDescription]) {
+    if inertia.mass > 0.0 {
+        let ball = FILLING.solid_inertia(inertia.mass);
+        inertia.I_cm += ball.I_cm;
+        return;
+    }
+    let volume: f64 = shapes.iter().map(|c| c.shape.volume()).sum();
+    *inertia = of_density(mass / volume, shapes).unwrap_or_else(|| FILLING.solid_inertia(mass));
+}
+
+/// Which links got a mass or an inertia that their file does not give.
+fn report_filled(model: &Model, filled: &BTreeSet<usize>, findings: &mut Findings) {
+    if filled.is_empty() {
+        return;
+    }
+    let links = filled.iter().map(|&l| &model.links[l]);
+    let names: Vec<&str> = links.clone().map(|link| link.name.as_str()).collect();
+    let total: f64 = links.map(|link| link.inertia.mass).sum();
+    let message = format!(
+        "{} that could not move without inertia {} one by missing_mass, {total:.4} kg together: {}",
+        counted(names.len(), "link"),
+        if names.len() == 1 { "gets" } else { "get" },
+        listed(&names)
+    );
+    findings.note("A138", message, "[link.\"…\"] mass sets the mass of one");
 }
 
 /// Gives the links that `dof` moves the inertia of their shapes where theirs is singular; whether
@@ -248,7 +303,6 @@ fn report(model: &Model, weak: &[usize], lines: &Lines, of_shapes: bool, finding
         help.push_str("or fix the base: --fixed-base");
     }
     let code = if base && total <= 0.0 { "A105" } else { "A104" };
-    findings.unmoved = joints;
     let place = findings.line(lines.links[first.index()]);
     findings.error(code, place, message, help.trim_end());
 }
@@ -276,7 +330,7 @@ fn suggestion(model: &Model, link: LinkId) -> String {
         }
     }
     if total.mass <= 0.0 {
-        total = crate::geometry::Shape::Sphere { radius: 0.05 }.solid_inertia(0.1);
+        total = FILLING.solid_inertia(SUGGESTED_MASS);
     }
     let c = total.com.map(|x| if x.abs() < 1e-9 { 0.0 } else { x });
     let mut text = String::from("<inertial>");

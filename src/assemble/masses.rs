@@ -83,7 +83,7 @@ pub(super) fn link_inertia(
     };
     if inertia.mass <= 0.0 {
         return match settings.inertia {
-            InertiaSource::Urdf => inertia,
+            InertiaSource::Urdf | InertiaSource::Nearest => inertia,
             InertiaSource::Collision | InertiaSource::PyBullet => RigidInertia::ZERO,
         };
     }

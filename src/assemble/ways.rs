@@ -3,18 +3,13 @@
 //! A file that was made for drawing only has no masses at all. A user who follows the advice must
 //! not get the same error for the next link.
 
-use super::findings::{Findings, listed};
+use super::findings::Findings;
+use super::inertia::{SUGGESTED_DENSITY, SUGGESTED_MASS};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::model::Model;
-use crate::settings::{Compat, InertiaSource, JointSettings, Settings};
+use crate::settings::{Compat, Settings};
 use crate::urdf::solids::of_density;
 use crate::urdf::{Description, LinkDescription};
-
-/// Density that is offered, kg/m³: most robot parts are between plastics and hollow metal.
-const DENSITY: f64 = 1000.0;
-
-/// Rotor inertia that is offered for joints that move nothing but frames, kg·m² or kg.
-const ARMATURE: f64 = 1e-4;
 
 /// Makes a model, or says what is wrong.
 pub(super) type Assemble = fn(&Description, &Settings, &mut Findings) -> Option<Model>;
@@ -29,15 +24,10 @@ pub(super) fn offer(
     let Some(at) = findings.list.iter().position(is_of_inertia) else {
         return;
     };
-    let density = by_density(assemble, description, settings, &findings.list);
-    let pybullet = by_pybullet(assemble, description, settings, &findings.list);
-    // What needs no settings file comes first.
-    let partial = density.as_ref().is_some_and(|way| way.contains("armature"));
-    let ways = if partial {
-        [pybullet, density]
-    } else {
-        [density, pybullet]
-    };
+    let ways = [
+        by_masses(assemble, description, settings, &findings.list),
+        by_pybullet(assemble, description, settings, &findings.list),
+    ];
     let ways: Vec<String> = ways.into_iter().flatten().collect();
     if let Some(help) = &mut findings.list[at].help
         && !ways.is_empty()
@@ -59,26 +49,25 @@ fn is_of_inertia(finding: &Diagnostic) -> bool {
     finding.severity == Severity::Error && ["A104", "A105"].contains(&finding.code)
 }
 
-/// None where it helps, whatever else is wrong; else the joints along which nothing has inertia
-/// even so.
+/// Whether settings help, whatever else is wrong.
 ///
-/// - `known`: what is found without it
-fn left(
+/// - `known`: what is found without them
+fn helps(
     assemble: Assemble,
     description: &Description,
     settings: &Settings,
     known: &[Diagnostic],
-) -> Option<Vec<String>> {
+) -> bool {
     let mut findings = Findings::new(description);
     let model = assemble(description, settings, &mut findings);
     let of_way = |finding: &Diagnostic| {
         is_of_inertia(finding) || finding.severity == Severity::Error && !known.contains(finding)
     };
-    let fails = model.is_none() || findings.list.iter().any(of_way);
-    fails.then(|| std::mem::take(&mut findings.unmoved))
+    model.is_some() && !findings.list.iter().any(of_way)
 }
 
-fn by_density(
+/// A density for what has shapes, a mass for what has none.
+fn by_masses(
     assemble: Assemble,
     description: &Description,
     settings: &Settings,
@@ -86,58 +75,39 @@ fn by_density(
 ) -> Option<String> {
     let weighs = |link: &LinkDescription| {
         link.inertial.is_none_or(|own| own.mass <= 0.0)
-            && of_density(DENSITY, &link.collisions).is_some()
+            && of_density(SUGGESTED_DENSITY, &link.collisions).is_some()
     };
-    if settings.density.is_some() || !description.links.iter().any(weighs) {
-        return None;
-    }
-    let mut tried = Settings {
-        density: Some(DENSITY),
+    let shaped = settings.density.is_none() && description.links.iter().any(weighs);
+    let density = Settings {
+        density: Some(SUGGESTED_DENSITY),
         ..settings.clone()
     };
-    // Where some links have masses, their inertias are the file's.
-    let massless = description
-        .links
-        .iter()
-        .all(|link| link.inertial.is_none_or(|own| own.mass <= 0.0));
-    let options = if massless && settings.inertia == InertiaSource::Urdf {
-        tried.inertia = InertiaSource::Collision;
-        format!("--inertia collision --density {DENSITY}")
-    } else {
-        format!("--density {DENSITY}")
-    };
-    let keys = if tried.inertia == settings.inertia {
-        format!("density = {DENSITY}")
-    } else {
-        format!("inertia = \"collision\" and density = {DENSITY}")
-    };
-    let way = format!(
-        "  masses from the collision shapes and a density: {options} (in the settings [robot] {keys})"
-    );
-    let joints = match left(assemble, description, &tried, known) {
-        None => return Some(way),
-        Some(joints) if joints.is_empty() => return None,
-        Some(joints) => joints,
-    };
-    for joint in &joints {
-        tried.joints.push(JointSettings {
-            armature: Some(ARMATURE),
-            ..JointSettings::new(joint)
-        });
+    let (d, m) = (SUGGESTED_DENSITY, SUGGESTED_MASS);
+    if shaped && helps(assemble, description, &density, known) {
+        return Some(format!(
+            "  masses from the collision shapes and a density: --density {d} (in the settings \
+             [robot] density = {d})"
+        ));
     }
-    let all = joints
-        .iter()
-        .map(|joint| format!("[joint.\"{joint}\"] armature = {ARMATURE:e}"));
-    let all: Vec<String> = all.collect();
-    left(assemble, description, &tried, known)
-        .is_none()
-        .then(|| {
-            format!(
-                "{way},\n  and rotor inertia for what has no volume ({}), in the settings: {}",
-                listed(&joints),
-                all.join(", ")
-            )
-        })
+    let both = Settings {
+        missing_mass: Some(m),
+        ..if shaped { density } else { settings.clone() }
+    };
+    if settings.missing_mass.is_some() || !helps(assemble, description, &both, known) {
+        return None;
+    }
+    Some(if shaped {
+        format!(
+            "  masses from the collision shapes and a density, and {m} kg for each link that cannot \
+             move even so: --density {d} --missing-mass {m} (in the settings [robot] density = {d} \
+             and missing_mass = {m})"
+        )
+    } else {
+        format!(
+            "  {m} kg for each link that cannot move without: --missing-mass {m} (in the settings \
+             [robot] missing_mass = {m})"
+        )
+    })
 }
 
 fn by_pybullet(
@@ -155,7 +125,7 @@ fn by_pybullet(
         inertia: defaults.inertia,
         ..settings.clone()
     };
-    left(assemble, description, &tried, known).is_none().then(|| {
+    helps(assemble, description, &tried, known).then(|| {
         "  1 kg for each link without <inertial>, and all else as PyBullet does: --compat pybullet"
             .to_owned()
     })

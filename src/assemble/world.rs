@@ -206,6 +206,7 @@ fn told(mut finding: Diagnostic, guest: &Guest) -> Option<Diagnostic> {
                 Some("leave <static> out of its file to let it move".to_owned())
             }
             "A107" => Some("static = true says so, a mass lets it move".to_owned()),
+    own.missing_mass = world.missing_mass;
             "A111" => Some("give it a z to start elsewhere".to_owned()),
             "A116" => Some("set its friction in [[world.object]]".to_owned()),
             _ => finding.help,

@@ -43,11 +43,13 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
         },
         scale: robot.number("scale").unwrap_or(1.0),
         inertia: match robot.value_as("inertia", compat) {
+            Some(Value::Word(word)) if word == "nearest" => InertiaSource::Nearest,
             Some(Value::Word(word)) if word == "collision" => InertiaSource::Collision,
             Some(Value::Word(word)) if word == "pybullet" => InertiaSource::PyBullet,
             _ => InertiaSource::Urdf,
         },
         density: robot.number("density"),
+        missing_mass: robot.number("missing_mass"),
         self_collision: robot.flag("self_collision"),
         ignored_contacts: root
             .tables("ignore_contact")

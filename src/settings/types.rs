@@ -34,6 +34,9 @@ pub struct Settings {
     pub density: Option<f64>,
     /// Whether links touch each other.
     pub self_collision: bool,
+    /// Mass, kg, of links that cannot move without one: the file gives them none, and nothing that
+    /// hangs on them has one.
+    pub missing_mass: Option<f64>,
     /// Lists of links that do not touch each other.
     pub ignored_contacts: Vec<Vec<Pattern>>,
     /// Pairs of names of links that do not touch each other, of an SRDF.
@@ -205,6 +208,8 @@ pub enum InertiaSource {
     Urdf,
     /// The collision shapes, as solids of the link's mass.
     Collision,
+    /// `<inertia>`, where no body can have it the nearest that one can have.
+    Nearest,
     /// The box around the collision shapes, as `PyBullet` takes it.
     PyBullet,
 }

@@ -125,6 +125,7 @@ pub(super) enum Geometry<'d> {
 }
 
 /// An inertia that is not positive definite.
+#[derive(Clone)]
 pub(super) struct Suspect {
     pub(super) at: Range<usize>,
     pub(super) message: String,

@@ -8,6 +8,7 @@
 
 use super::checked::{CheckedInertial, CheckedRobot, LinkReference, Order, Suspect};
 use super::description::Description;
+use super::options::{ImpossibleInertia, MissingMass};
 use super::scope::Scope;
 use super::xml::Node;
 use crate::model::JointKind;
@@ -67,6 +68,11 @@ pub(super) fn matrix(i: &[f64; 6]) -> Mat3 {
     Mat3::new(i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5])
 }
 
+/// The six numbers of a symmetric matrix in URDF's order.
+fn numbers(I: &Mat3) -> [f64; 6] {
+    [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|at| I[at])
+}
+
 /// Reports what no body can have.
 pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Node, inertia: Node) {
     let at = |node: Node, name: &str| {
@@ -111,19 +117,12 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
     let moments = principal_moments(&matrix(&inertial.inertia));
     let [smallest, middle, largest] = moments;
     let suggestion = || {
-        let I = nearest_physical(&matrix(&inertial.inertia));
-        let number = |value: f64| format!("{value:.6e}");
-        let pairs = [
-            ("ixx", I[(0, 0)]),
-            ("ixy", I[(0, 1)]),
-            ("ixz", I[(0, 2)]),
-            ("iyy", I[(1, 1)]),
-            ("iyz", I[(1, 2)]),
-            ("izz", I[(2, 2)]),
-        ];
-        pairs
-            .map(|(name, value)| format!("{name}=\"{}\"", number(value)))
-            .join(" ")
+        let values = numbers(&nearest_physical(&matrix(&inertial.inertia)));
+        let pairs = NAMES.iter().zip(values);
+        let pairs: Vec<String> = pairs
+            .map(|(name, value)| format!("{name}=\"{value:.6e}\""))
+            .collect();
+        pairs.join(" ")
     };
     // Not the round-off of a zero.
     let shown = |moment: f64| {
@@ -137,10 +136,15 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
         let message = format!(
             "the inertia is not positive definite: its principal moments are {smallest:.4e}, {middle:.4e}, {largest:.4e} kg m²"
         );
-        let help = format!(
-            "check the signs and the order ixx ixy ixz iyy iyz izz; the nearest a body can have is\n{}",
-            suggestion()
-        );
+        let help = if largest > 0.0 {
+            format!(
+                "check the signs and the order ixx ixy ixz iyy iyz izz; the nearest a body can have \
+                 is\n{}",
+                suggestion()
+            )
+        } else {
+            "check the signs: ixx, iyy and izz are positive".to_owned()
+        };
         inertial.suspect = Some(Suspect {
             at: inertia.tag_at(),
             message,
@@ -163,41 +167,65 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
 /// Decides on implausible inertias: links that are fixed together only count together, so a bad
 /// inertia is an error where the rigid body that it is part of cannot exist, and a warning
 /// elsewhere.
-pub(super) fn judge(scope: &mut Scope, robot: &CheckedRobot, order: &Order) {
-    let suspects = |i: usize| {
-        robot.links[i]
-            .inertial
-            .as_ref()
-            .and_then(|inertial| inertial.suspect.as_ref())
+pub(super) fn judge(scope: &mut Scope, robot: &mut CheckedRobot, order: &Order) {
+    let suspects = |robot: &CheckedRobot, i: usize| -> Option<Suspect> {
+        robot.links[i].inertial.as_ref()?.suspect.clone()
     };
-    if (0..robot.links.len()).all(|i| suspects(i).is_none()) {
+    let all: Vec<usize> = (0..robot.links.len())
+        .filter(|&i| suspects(robot, i).is_some())
+        .collect();
+    if all.is_empty() {
         return;
     }
     let bodies = rigid_bodies(robot, order);
     let shaped = |i: usize| !robot.links[i].collisions.is_empty();
-    let computable = (0..robot.links.len()).all(|i| suspects(i).is_none() || shaped(i));
-    for (i, link) in robot.links.iter().enumerate() {
-        let Some(suspect) = suspects(i) else {
+    let computable = all.iter().all(|&i| shaped(i));
+    let nearest = |robot: &CheckedRobot, i: usize| {
+        let own = robot.links[i].inertial.as_ref();
+        own.map_or_else(Mat3::zeros, |own| nearest_physical(&matrix(&own.inertia)))
+    };
+    // A body without width needs an inertia about its axis.
+    let wide = |i: usize| {
+        let [smallest, _, largest] = principal_moments(&nearest(robot, i));
+        shaped(i) || smallest > TRIANGLE * largest
+    };
+    let option = if all.iter().all(|&i| wide(i)) {
+        "--inertia nearest"
+    } else {
+        "--inertia nearest --missing-mass 0.1"
+    };
+    let mut remedy = format!("or use the nearest without a change of the file: {option}");
+    if computable {
+        remedy.push_str("\nor compute all from the collision shapes: --inertia collision");
+    }
+    for i in all {
+        let Some(mut suspect) = suspects(robot, i) else {
             continue;
         };
-        scope.owner = format!("link '{}'", link.name);
-        let harmless = is_possible(&principal_moments(&bodies[i].I_cm));
-        if harmless || scope.ignore_inertia {
-            let message = if harmless {
-                format!(
-                    "{}; together with the links fixed to it the body is possible",
-                    suspect.message
-                )
-            } else {
-                suspect.message.clone()
-            };
-            scope.warning("U061", suspect.at.clone(), &message, suspect.help.clone());
-        } else {
-            let mut help = suspect.help.clone();
-            if computable {
-                help.push_str("\nor compute all from the collision shapes: --inertia collision");
+        scope.owner = format!("link '{}'", robot.links[i].name);
+        if is_possible(&principal_moments(&bodies[i].I_cm)) {
+            suspect
+                .message
+                .push_str("; together with the links fixed to it the body is possible");
+            scope.warning("U061", suspect.at, &suspect.message, suspect.help);
+            continue;
+        }
+        match scope.impossible_inertia {
+            ImpossibleInertia::Unused => {
+                scope.warning("U061", suspect.at, &suspect.message, suspect.help);
             }
-            scope.problem("U061", suspect.at.clone(), &suspect.message, help);
+            ImpossibleInertia::Nearest => {
+                let I = nearest(robot, i);
+                if let Some(own) = &mut robot.links[i].inertial {
+                    own.inertia = numbers(&I);
+                }
+                suspect.message.push_str("; the nearest is used");
+                scope.warning("U061", suspect.at, &suspect.message, suspect.help);
+            }
+            ImpossibleInertia::Refused => {
+                let help = format!("{}\n{remedy}", suspect.help);
+                scope.problem("U061", suspect.at, &suspect.message, help);
+            }
         }
     }
 }
@@ -205,19 +233,22 @@ pub(super) fn judge(scope: &mut Scope, robot: &CheckedRobot, order: &Order) {
 /// Warns of what moves without mass in a file that is refused for something else: that would be
 /// told only once the rest is mended.
 pub(super) fn foretell(scope: &mut Scope, robot: &CheckedRobot, order: &Order) {
-    if scope.ignore_inertia || scope.pybullet {
+    if scope.missing_mass == MissingMass::All {
         return;
     }
+    let dense = scope.missing_mass == MissingMass::Shapes;
     let links = || robot.links.iter().enumerate();
     let index: HashMap<&str, usize> = links().map(|(i, link)| (link.name, i)).collect();
     // What each link and all below it has; children come after their parents.
     let weighs = |inertial: &CheckedInertial| inertial.mass > 0.0 || inertial.density.is_some();
     // What a link weighs that only a joint names is not known.
-    let mut heavy: Vec<bool> = links()
-        .map(|(_, link)| !link.own_name || link.inertial.as_ref().is_some_and(weighs))
-        .collect();
     let mut shaped: Vec<bool> = links()
         .map(|(_, link)| !link.collisions.is_empty())
+        .collect();
+    let mut heavy: Vec<bool> = links()
+        .map(|(_, link)| !link.own_name || link.inertial.as_ref().is_some_and(weighs))
+        .zip(&shaped)
+        .map(|(weighs, &shaped)| weighs || dense && shaped)
         .collect();
     let mut light = Vec::new();
     for &j in order.joints.iter().rev() {
@@ -235,7 +266,6 @@ pub(super) fn foretell(scope: &mut Scope, robot: &CheckedRobot, order: &Order) {
     let Some((first, _)) = light.last() else {
         return;
     };
-    let massless = !heavy.contains(&true);
     let message = format!(
         "joint '{}' moves nothing that has mass{}: this comes next",
         first.name,
@@ -245,21 +275,18 @@ pub(super) fn foretell(scope: &mut Scope, robot: &CheckedRobot, order: &Order) {
             n => format!(", and {n} other joints likewise"),
         }
     );
-    let density = if massless {
-        "--inertia collision --density 1000"
+    let of_shapes = "--density 1000 for masses from the collision shapes and a density";
+    let of_all = "--missing-mass 0.1 for 0.1 kg in each link that cannot move without";
+    let way = if light.iter().all(|&(_, shaped)| shaped) {
+        of_shapes.to_owned()
+    } else if !dense && light.iter().any(|&(_, shaped)| shaped) {
+        format!("{of_shapes} and {of_all}")
     } else {
-        "--density 1000"
-    };
-    let of_shapes = format!("{density} for masses from the collision shapes and a density");
-    let each = "--compat pybullet for 1 kg in each link without <inertial>";
-    let ways = if light.iter().all(|&(_, shaped)| shaped) {
-        [of_shapes.as_str(), each]
-    } else {
-        [each, of_shapes.as_str()]
+        of_all.to_owned()
     };
     let help = format!(
-        "pass {}, or {}, together with what mends the rest",
-        ways[0], ways[1]
+        "pass {way}, or --compat pybullet for 1 kg in each link without <inertial>, together with \
+         what mends the rest"
     );
     let at = first.node.tag_at();
     scope.report.warning("U066", at, message, help);
@@ -311,7 +338,7 @@ pub(super) fn compare_with_shapes(
     order: &Order,
     description: &Description,
 ) {
-    if scope.ignore_inertia {
+    if scope.impossible_inertia == ImpossibleInertia::Unused {
         return;
     }
     let mut found: Vec<(Range<usize>, String)> = Vec::new();

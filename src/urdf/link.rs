@@ -185,7 +185,8 @@ fn without_mass(
         let number = |node: Node| node.value(name)?.trim().parse::<f64>().ok();
         inertia.is_none_or(|node| node.value(name).is_none() || number(node) == Some(0.0))
     };
-    let help = "add <mass value=\"…\"/>, in kg, or let the collision shapes weigh: --density 1000";
+    let help = "add <mass value=\"…\"/>, in kg, or let the collision shapes weigh: --density 1000; \
+                --missing-mass 0.1 is for what has no shapes";
     if inertia::NAMES.iter().all(|name| zero(name)) {
         let message = "<inertial> has no <mass>: it counts as none";
         scope.warning("U017", node.tag_at(), message, help);

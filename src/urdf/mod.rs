@@ -55,7 +55,7 @@ pub use description::{
     VisualShape,
 };
 pub use faces::LFS_POINTER;
-pub use options::{MeshShapes, ReadOptions};
+pub use options::{ImpossibleInertia, MeshShapes, MissingMass, ReadOptions};
 pub use sensed::{SensedKind, SensorDescription};
 pub use srdf::{Semantics, VirtualJoint, read_srdf, read_srdf_str};
 pub use xml::HARDWARE;
@@ -211,7 +211,8 @@ fn describe(
     }
     let document = Document::parse_rest(text, report)?;
     let mut scope = Scope::new(report);
-    scope.ignore_inertia = options.ignore_inertia;
+    scope.impossible_inertia = options.impossible_inertia;
+    scope.missing_mass = options.missing_mass;
     scope.pybullet = options.pybullet;
     scope.sensors = options.sensors;
     let spare = order::spare_names(document.root().children().count());
@@ -220,7 +221,7 @@ fn describe(
         Some(order) => order,
         None => order::mend(&mut robot, &spare),
     };
-    inertia::judge(&mut scope, &robot, &order);
+    inertia::judge(&mut scope, &mut robot, &order);
     let mesh_dir = document
         .root()
         .child("mujoco")

@@ -14,6 +14,28 @@ pub enum MeshShapes {
     Decomposition,
 }
 
+/// What becomes of an inertia that no body can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImpossibleInertia {
+    /// It is an error.
+    Refused,
+    /// The nearest that a body can have is used, with a warning.
+    Nearest,
+    /// It is not used, because inertias are computed from the shapes: a warning.
+    Unused,
+}
+
+/// What gives links a mass later that their file gives none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MissingMass {
+    /// Nothing.
+    Nothing,
+    /// A density gives it to what has collision shapes.
+    Shapes,
+    /// All get one that need it.
+    All,
+}
+
 /// How to read a URDF.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is switched by itself")]
@@ -25,9 +47,10 @@ pub struct ReadOptions {
     pub packages: Vec<(String, PathBuf)>,
     /// Factor on all lengths, meshes included. Masses stay, inertia takes its square.
     pub scale: f64,
-    /// The inertia matrices are not used, because they will be computed from the shapes, so faults
-    /// in them are warnings.
-    pub ignore_inertia: bool,
+    /// What becomes of an inertia that no body can have.
+    pub impossible_inertia: ImpossibleInertia,
+    /// Who gives a mass to what has none: what would lack one even so is told with other errors.
+    pub missing_mass: MissingMass,
     /// The numbers of `<contact>` are used that only `PyBullet` has a use for: inertia scaling,
     /// stiffness, damping.
     pub pybullet: bool,
@@ -50,7 +73,8 @@ impl Default for ReadOptions {
             package_paths: Vec::new(),
             packages: Vec::new(),
             scale: 1.0,
-            ignore_inertia: false,
+            impossible_inertia: ImpossibleInertia::Refused,
+            missing_mass: MissingMass::Nothing,
             pybullet: false,
             sensors: false,
             drawn: false,

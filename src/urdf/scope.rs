@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::options::{ImpossibleInertia, MissingMass};
 use super::xml::{Attribute, Node};
 use crate::diagnostic::angles;
 use crate::diagnostic::words::did_you_mean;
@@ -48,8 +49,10 @@ pub(super) struct Scope<'r, 'a> {
     read: BTreeMap<String, (Range<usize>, usize)>,
     /// Severity of a bad number: visuals do not move the robot.
     pub(super) severity: Severity,
-    /// Inertia matrices are not used, so faults in them are warnings.
-    pub(super) ignore_inertia: bool,
+    /// As [`super::ReadOptions::impossible_inertia`].
+    pub(super) impossible_inertia: ImpossibleInertia,
+    /// As [`super::ReadOptions::missing_mass`].
+    pub(super) missing_mass: MissingMass,
     /// As [`super::ReadOptions::pybullet`].
     pub(super) pybullet: bool,
     /// As [`super::ReadOptions::sensors`].
@@ -65,7 +68,8 @@ impl<'r, 'a> Scope<'r, 'a> {
             ignored: BTreeMap::new(),
             read: BTreeMap::new(),
             severity: Severity::Error,
-            ignore_inertia: false,
+            impossible_inertia: ImpossibleInertia::Refused,
+            missing_mass: MissingMass::Nothing,
             pybullet: false,
             sensors: false,
         }

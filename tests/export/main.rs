@@ -11,6 +11,7 @@ mod elsewhere;
 mod ends;
 mod export;
 mod faults;
+mod inertias;
 mod info;
 mod init;
 mod meant;

@@ -129,22 +129,16 @@ fn a_finding_s_line_holds_its_word_and_the_suggested_word_ends_it() {
     );
 }
 
-/// Ways that a help offers: options, and tables for the settings that go with them.
-fn offered(help: &str) -> Vec<(Vec<&str>, String)> {
-    let lines: Vec<&str> = help.lines().collect();
-    let ways = lines.iter().enumerate().filter_map(|(at, line)| {
-        let from = line.find("--density").or(line.find("--compat"))?;
-        let from = line.find("--inertia").unwrap_or(from);
+/// Ways that a help offers: options.
+fn offered(help: &str) -> Vec<Vec<&str>> {
+    let ways = help.lines().filter_map(|line| {
+        let options = ["--inertia", "--density", "--missing-mass", "--compat"];
+        let from = options
+            .iter()
+            .filter_map(|option| line.find(option))
+            .min()?;
         let part = line[from..].split([',', '(']).next()?;
-        let more = lines
-            .get(at + 1)
-            .filter(|next| next.contains("and rotor inertia"));
-        let tables = more.and_then(|next| Some(next.split_once("in the settings: ")?.1));
-        let tables = tables
-            .unwrap_or_default()
-            .replace(", [", "\n[")
-            .replace("] ", "]\n");
-        Some((part.split_whitespace().collect(), tables))
+        Some(part.split_whitespace().collect())
     });
     ways.collect()
 }
@@ -154,20 +148,24 @@ fn offered(help: &str) -> Vec<(Vec<&str>, String)> {
 #[test]
 fn each_command_that_is_offered_makes_the_robot_load() {
     let folder = tempfile::tempdir().unwrap();
-    let settings = folder.path().join("offered.toml");
     let mut tried = 0;
     for (robot, path) in robots(folder.path()) {
         let (ok, findings) = check(&path, &[]);
         let errors = findings.iter().filter(|f| f["severity"] == "error");
         let helps: Vec<&str> = errors.map(|f| field(f, "help")).collect();
-        for (mut options, tables) in helps.iter().flat_map(|help| offered(help)) {
+        // Beside other faults nothing makes it load.
+        let of_inertia = |f: &Value| ["A104", "A105", "U061"].contains(&field(f, "code"));
+        let mut errors = findings.iter().filter(|f| f["severity"] == "error");
+        let alone = errors.all(of_inertia);
+        for options in helps.iter().flat_map(|help| offered(help)) {
             assert!(!ok);
-            fs::write(&settings, tables).unwrap();
-            options.extend(["-c", text(&settings)]);
+            if !alone {
+                continue;
+            }
             let (loads, left) = check(&path, &options);
             assert!(loads, "{}: {options:?}: {left:?}", robot.name);
             tried += 1;
         }
     }
-    assert!(tried > 2, "{tried} ways");
+    assert!(tried > 8, "{tried} ways");
 }

@@ -4,10 +4,10 @@
 use super::people::{findings, mesh_robot, of_severity, tetrahedron, write};
 use super::*;
 
-const INERTIAL: &str = "<inertial><mass value='1'/>\
+pub const INERTIAL: &str = "<inertial><mass value='1'/>\
                         <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>";
 
-fn info(path: &Path, args: &[&str]) -> Value {
+pub fn info(path: &Path, args: &[&str]) -> Value {
     let mut all = vec!["info", text(path), "--json"];
     all.extend(args);
     let done = run_in(Path::new("."), &all, &[]);
@@ -74,7 +74,7 @@ fn an_inertial_without_mass_counts_as_none_and_the_way_offered_works() {
     assert!(!ok && field(&list, "U017", "message").contains("counts as none"));
     let errors = of_severity(&list, "error");
     assert_eq!(errors.len(), 1, "{errors:?}");
-    let options = ["--inertia", "collision", "--density", "1000"];
+    let options = ["--density", "1000"];
     assert!(
         errors[0]["help"].to_string().contains(&options.join(" ")),
         "{errors:?}"
@@ -163,73 +163,10 @@ fn meshes_outside_are_one_finding_and_what_comes_next_is_told_with_it() {
         let option = help.split("--package-path ").nth(1).unwrap();
         assert!(Path::new(option).ends_with("franka/meshes"), "{help}");
     }
-    assert!(field(&list, "U066", "help").contains("--inertia collision --density 1000"));
-    let all = [
-        "--package-path",
-        text(&meshes),
-        "--inertia",
-        "collision",
-        "--density",
-        "1000",
-    ];
+    assert!(field(&list, "U066", "help").contains("--density 1000"));
+    let all = ["--package-path", text(&meshes), "--density", "1000"];
     let (ok, list) = findings(&robot, &all);
     assert!(ok, "{list:?}");
-}
-
-/// The ABB IRB 4600 of compas: other programs load it, as they do not look.
-#[test]
-fn an_impossible_inertia_comes_with_the_option_that_computes_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let xml = |shape: &str| {
-        format!(
-            "<robot name='r'><link name='l'>{}{shape}</link></robot>",
-            INERTIAL.replace("ixx='1'", "ixx='-4.98'")
-        )
-    };
-    let shape = "<collision><geometry><sphere radius='0.1'/></geometry></collision>";
-    let robot = write(folder.path(), "r.urdf", xml(shape));
-    let (ok, list) = findings(&robot, &[]);
-    assert!(!ok && field(&list, "U061", "help").contains("--inertia collision"));
-    assert!(findings(&robot, &["--inertia", "collision"]).0);
-    // Without a shape there is nothing to compute it from.
-    let bare = write(folder.path(), "bare.urdf", xml(""));
-    let (ok, list) = findings(&bare, &[]);
-    assert!(!ok && !field(&list, "U061", "help").contains("--inertia"));
-}
-
-/// The Panda of cuRobo and Romeo: what comes after the inertias is told with them.
-#[test]
-fn fingers_without_mass_are_told_with_what_else_is_wrong() {
-    let folder = tempfile::tempdir().unwrap();
-    let ball = "<collision><geometry><sphere radius='0.1'/></geometry></collision>";
-    let bad = INERTIAL.replace("ixx='1'", "ixx='-1'");
-    let xml = |finger: &str| {
-        let joint = |child: &str| {
-            format!(
-                "<joint name='{child}' type='continuous'><parent link='a'/><child link='{child}'/>\
-                 </joint><link name='{child}'>{finger}</link>"
-            )
-        };
-        format!(
-            "<robot name='r'><link name='a'>{bad}{ball}</link>{}{}</robot>",
-            joint("b"),
-            joint("c")
-        )
-    };
-    let robot = write(folder.path(), "shapes.urdf", xml(ball));
-    let (ok, list) = findings(&robot, &[]);
-    assert!(!ok && field(&list, "U066", "message").contains("another joint likewise"));
-    assert!(field(&list, "U066", "help").starts_with("pass --density 1000"));
-    let options = ["--inertia", "collision", "--density", "1000"];
-    assert!(findings(&robot, &options).0);
-    let robot = write(folder.path(), "bare.urdf", xml(""));
-    let (ok, list) = findings(&robot, &[]);
-    assert!(!ok && field(&list, "U066", "help").starts_with("pass --compat pybullet"));
-    assert!(findings(&robot, &["--compat", "pybullet"]).0);
-    // Told in that place only: alone it is an error with ways that were tried.
-    let sound = xml(ball).replace("ixx='-1'", "ixx='1'");
-    let (ok, list) = findings(&write(folder.path(), "sound.urdf", sound), &[]);
-    assert!(!ok && list.iter().all(|finding| finding["code"] != "U066"));
 }
 
 /// The Movo: both halves of the matrix.

@@ -120,8 +120,8 @@ fn links_without_inertia_are_told_at_once_and_the_ways_offered_work() {
         let help = errors[0]["help"].as_str().unwrap();
         assert!(help.contains("'l1'") && help.contains("'l6'"), "{help}");
         assert!(
-            help.contains("--inertia collision --density 1000")
-                && help.contains("inertia = \"collision\" and density = 1000")
+            help.contains("--density 1000")
+                && help.contains("[robot] density = 1000")
                 && help.contains("--compat pybullet"),
             "{help}"
         );
@@ -129,7 +129,7 @@ fn links_without_inertia_are_told_at_once_and_the_ways_offered_work() {
         assert!(findings(robot, &["--compat", "pybullet"]).0);
     }
     // Seven boxes of 0.1 × 0.1 × 0.2 m at 1000 kg/m³ are 2 kg each; the base does not float for it.
-    let way = ["--inertia", "collision", "--density", "1000"];
+    let way = ["--density", "1000"];
     let (ok, list) = findings(&drawn, &way);
     assert!(ok, "{list:?}");
     let done = run_in(
@@ -146,20 +146,33 @@ fn links_without_inertia_are_told_at_once_and_the_ways_offered_work() {
     // A cuboid about its middle: m/12 (a² + b²).
     let inertia = info["links"][3]["inertia"].to_string();
     assert!(inertia.contains("0.00833333333333333"), "{inertia}");
-    // The link without a shape needs what the help says, which then is enough.
+    // The link without a shape gets a mass of its own: a ball of 5 cm, 2/5 m r².
     let (_, list) = findings(&bare, &[]);
     let help = of_severity(&list, "error")[0]["help"]
         .as_str()
         .unwrap()
         .to_owned();
-    assert!(help.contains("[joint.\"j6\"] armature = 1e-4"), "{help}");
-    let settings = write(
-        folder.path(),
-        "s.toml",
-        "[robot]\ninertia = \"collision\"\ndensity = 1000\n[joint.\"j6\"]\narmature = 1e-4\n",
-    );
-    let (ok, list) = findings(&bare, &["-c", text(&settings)]);
-    assert!(ok, "{list:?}");
+    let options = ["--density", "1000", "--missing-mass", "0.1"];
+    assert!(help.contains(&options.join(" ")), "{help}");
+    let keys = "[robot]\ndensity = 1000\nmissing_mass = 0.1\n";
+    let settings = write(folder.path(), "s.toml", keys);
+    for options in [&options[..], &["-c", text(&settings)]] {
+        let (ok, list) = findings(&bare, options);
+        assert!(ok, "{list:?}");
+        let info = run_in(
+            Path::new("."),
+            &[&["info", text(&bare), "--json"][..], options].concat(),
+            &[],
+        );
+        let info: Value = serde_json::from_str(&info.out).unwrap();
+        let last = &info["links"][6];
+        let moment = last["inertia"][0][0].as_f64().unwrap();
+        assert!((moment - 0.4 * 0.1 * 0.05 * 0.05).abs() < 1e-15, "{last}");
+        assert!(
+            (last["mass"].as_f64().unwrap() - 0.1).abs() < 1e-15,
+            "{last}"
+        );
+    }
 }
 
 #[test]

@@ -43,6 +43,10 @@ pub(super) fn density(text: &str) -> Result<f64, String> {
     number(Range::Density, text)
 }
 
+pub(super) fn mass(text: &str) -> Result<f64, String> {
+    number(Range::Mass, text)
+}
+
 pub(super) fn factor(text: &str) -> Result<f64, String> {
     number(Range::Scale, text)
 }

@@ -28,6 +28,8 @@ pub struct Request {
     /// `--density`.
     pub density: Option<f64>,
     /// `--inertia`.
+    /// `--missing-mass`.
+    pub missing_mass: Option<f64>,
     pub inertia: Option<InertiaSource>,
     /// `--sensors`: whether the URDF's are read.
     pub sensors: Option<bool>,
@@ -88,6 +90,9 @@ pub(super) fn settings_of(request: &Request) -> (Settings, Vec<Diagnostic>) {
         settings.contact_points = true;
     }
     if let Some(flat_names) = request.flat_names {
+    if request.missing_mass.is_some() {
+        settings.missing_mass = request.missing_mass;
+    }
         settings.flat_names = flat_names;
     }
     settings.fmu.fmi = request.fmi.unwrap_or(settings.fmu.fmi);

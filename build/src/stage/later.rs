@@ -23,7 +23,7 @@ const OF_NAMES: [&str; 11] = [
 const OF_MASSES: [&str; 3] = ["U06", "A104", "A105"];
 
 /// Words of the settings that mend them.
-const MENDING: [&str; 3] = ["inertia", "density", "compat"];
+const MENDING: [&str; 4] = ["inertia", "density", "missing_mass", "compat"];
 
 /// Of a robot's findings what does not follow from faults of its settings.
 pub(super) fn beside_settings(

@@ -161,6 +161,67 @@ fn an_inertia_of_zeros_is_that_of_the_shapes_where_the_link_could_not_move() {
     assert_eq!(error(&moving, "").code, "A104");
 }
 
+/// Only what could not move gets the missing mass: neither frames on fixed joints, nor what carries
+/// something that has inertia.
+#[test]
+fn a_missing_mass_goes_to_links_that_cannot_move_without() {
+    let mut shaped = frame("shaped");
+    shaped.collisions = vec![collision(at(0.5, 0.0, 0.0), ball())];
+    let hand = robot(mass("base", 1.0))
+        .with("base", "tool", Fixed, at(0.0, 0.0, 0.1), frame("tool"))
+        .with("base", "a", Continuous, at(0.0, 0.0, 0.1), frame("between"))
+        .with(
+            "between",
+            "b",
+            Continuous,
+            at(0.1, 0.0, 0.0),
+            mass("heavy", 2.0),
+        )
+        .with("base", "c", Continuous, at(0.0, 0.0, 0.1), frame("bare"))
+        .with("base", "d", Continuous, at(0.0, 0.0, 0.1), shaped)
+        .with(
+            "base",
+            "e",
+            Revolute,
+            at(0.0, 0.0, 0.1),
+            point("bob", 3.0, Vec3::z()),
+        );
+    let found = error(&hand, "");
+    assert!(
+        found.message.starts_with("3 links move"),
+        "{}",
+        found.message
+    );
+    let built = assembled(&hand, "robot.missing_mass = 0.5");
+    let told = note(&built, "A138").message;
+    assert!(told.ends_with(": 'bare', 'shaped', 'bob'"), "{told}");
+    let of = |name: &str| {
+        let mut links = built.model.links.iter();
+        links
+            .find(|link| link.name == name)
+            .expect("a link")
+            .inertia
+    };
+    assert!(of("tool").mass + of("between").mass < 1e-15);
+    // Balls have (2/5) m r²: one of 5 cm, the collision shape of 10 cm, and one of the own mass.
+    let moment = |name: &str, mass: f64, radius: f64| {
+        let own = of(name);
+        assert!((own.mass - mass).abs() < 1e-15, "{name}: {} kg", own.mass);
+        let expected = Mat3::identity() * (0.4 * mass * radius * radius);
+        assert!((own.I_cm - expected).amax() < 1e-15, "{name}: {}", own.I_cm);
+    };
+    moment("bare", 0.5, 0.05);
+    moment("shaped", 0.5, 0.1);
+    moment("bob", 3.0, 0.05);
+    assert!((of("shaped").com - Vec3::new(0.5, 0.0, 0.0)).norm() < 1e-15);
+    // A density is heard first.
+    let dense = assembled(&hand, "robot.density = 1000\nrobot.missing_mass = 0.5");
+    let shaped = &dense.model.links[5];
+    assert_eq!(shaped.name, "shaped");
+    let volume = 4.0 / 3.0 * std::f64::consts::PI * 1e-3;
+    assert!((shaped.inertia.mass - 1000.0 * volume).abs() < 1e-12);
+}
+
 #[test]
 fn very_small_robots_have_inertia_too() {
     // A milligram, a tenth of a millimetre: (2/5) m r² = 4e-15 kg m².

@@ -3,8 +3,8 @@
 use super::kinds::Takes::{Flag, Name, Number, NumberOrRatio, Patterns, Version, Word};
 use super::kinds::{Key, key};
 use crate::range::Range::{
-    Density, Dissipation, Duration, Penetration, ReferenceSpeed, Scale, Step, Stiffness, Tolerance,
-    Work,
+    Density, Dissipation, Duration, Mass, Penetration, ReferenceSpeed, Scale, Step, Stiffness,
+    Tolerance, Work,
 };
 
 /// Their keys, in the order of a file.
@@ -23,15 +23,21 @@ pub(super) const KEYS: &[Key] = &[
     ),
     key(
         "robot.inertia",
-        Word(&["urdf", "collision", "pybullet"]),
+        Word(&["urdf", "nearest", "collision", "pybullet"]),
         Some("\"urdf\""),
-        "rotational inertia from the file, or recomputed: of the collision shapes as solids, or of the box around them as PyBullet does",
+        "rotational inertia from the file, with the nearest possible one where no body can have it, or recomputed: of the collision shapes as solids, or of the box around them as PyBullet does",
     ),
     key(
         "robot.density",
         Number(Density),
         None,
         "kg/m³, of links that the file gives no mass: they weigh what their collision shapes weigh as solids; without it they have none",
+    ),
+    key(
+        "robot.missing_mass",
+        Number(Mass),
+        None,
+        "kg, of links that move and that the file and density give no mass, where nothing that hangs on them has one: solids of their collision shapes, without any balls of 5 cm; without it they are an error",
     ),
     key(
         "robot.self_collision",
