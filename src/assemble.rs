@@ -71,6 +71,7 @@ mod base;
 mod bodies;
 mod exchange;
 mod findings;
+mod guests;
 mod inertia;
 mod initial;
 mod loops;

@@ -48,6 +48,7 @@ pub fn object(
     settings: &Settings,
 ) -> Guest {
     let object = ObjectSettings {
+        idle_mass: None,
         name: Some(name.into()),
         source: ObjectSource::Solid {
             shape: shape.clone(),

@@ -374,6 +374,19 @@ impl Surroundings {
                 self.urdf(path, &options, object.place.as_ref())
             }
             ObjectSource::Solid { shape, mass } => {
+                if let Some(place) = &object.idle_mass {
+                    let why = if object.driven { "driven" } else { "static" };
+                    self.tell(vec![Diagnostic {
+                        severity: Severity::Note,
+                        code: "S106",
+                        message: format!(
+                            "the mass of '{}' changes nothing: it is {why}, so that no force moves it",
+                            object.called()
+                        ),
+                        help: Some(format!("leave one of mass and {why} out")),
+                        place: Some(place.clone()),
+                    }]);
+                }
                 Some(assemble::solid(object.called(), shape, *mass))
             }
             ObjectSource::Terrain(settings) => {

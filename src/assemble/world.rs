@@ -7,6 +7,7 @@
 
 use super::alone::{Assembled, attempt, build};
 use super::findings::{Findings, first_of_many};
+use super::guests::{called, of_guest, told};
 use super::terrain::{self, has_terrain};
 use super::touch::overlaps;
 use super::{exchange, loops, outputs, pairs};
@@ -78,11 +79,15 @@ pub fn world(
         // Where things start on terrain follows when all are there.
         let list = list.into_iter().filter(|d| d.code != "A111" || !uneven);
         match guest {
-            Some(guest) => findings.extend(list.filter_map(|d| told(d, guest))),
+            Some(guest) => findings.extend(list.filter_map(|d| told(d, guest.kind, &guest.name))),
             None => findings.extend(list.map(|mut finding| {
                 // Scenery with something in it is meant.
                 if finding.code == "A107" && finding.message.starts_with("nothing in '") {
                     finding.severity = Severity::Note;
+                }
+                let others = guests.iter().map(|guest| (guest.kind, guest.name.as_str()));
+                if let Some(help) = of_guest(&finding, others) {
+                    finding.help = Some(help);
                 }
                 finding
             })),
@@ -178,48 +183,6 @@ fn finding(
     }
 }
 
-/// What a thing is called in a sentence.
-fn called(kind: RootKind, name: &str) -> String {
-    match kind {
-        RootKind::Robot => format!("robot '{name}'"),
-        RootKind::Object => format!("object '{name}'"),
-    }
-}
-
-/// A finding in a guest as it is told: it says whose it is, and advises what can be done in the
-/// settings of the world. None for what goes without saying.
-fn told(mut finding: Diagnostic, guest: &Guest) -> Option<Diagnostic> {
-    // Gravity is the world's, and has been told of the robot.
-    if finding.code == "A143" {
-        return None;
-    }
-    if guest.kind == RootKind::Object {
-        if finding.code == "A107" {
-            if finding.message.starts_with("the base is floating") {
-                return None;
-            }
-            // As scenery is meant.
-            finding.severity = Severity::Note;
-        }
-        finding.help = match finding.code {
-            "A107" if finding.message.contains("<static>") => {
-                Some("leave <static> out of its file to let it move".to_owned())
-            }
-            "A107" => Some("static = true says so, a mass lets it move".to_owned()),
-    own.missing_mass = world.missing_mass;
-            "A111" => Some("give it a z to start elsewhere".to_owned()),
-            "A116" => Some("set its friction in [[world.object]]".to_owned()),
-            _ => finding.help,
-        };
-    }
-    // The place says whose it is.
-    if finding.place.is_none() {
-        let message = finding.message.replacen("the robot ", "it ", 1);
-        finding.message = format!("{}: {message}", called(guest.kind, &guest.name));
-    }
-    Some(finding)
-}
-
 /// Settings that are the world's.
 fn shared(own: Settings, world: &Settings) -> Settings {
     Settings {
@@ -243,6 +206,7 @@ pub fn of_object(object: &ObjectSettings, world: &Settings) -> Settings {
     // A file has its own zero, as a mounted robot has.
     own.initial.stands = matches!(object.source, ObjectSource::Solid { .. });
     own.inertia = world.inertia;
+    own.missing_mass = world.missing_mass;
     own.default_mode = Some(ModeChoice::Passive);
     own.conveyor = object.conveyor;
     own.driven = object.driven;

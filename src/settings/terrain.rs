@@ -63,6 +63,7 @@ fn one(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
     };
     let (xy, z) = place(section);
     Some(ObjectSettings {
+        idle_mass: None,
         name: Some(name?),
         source: ObjectSource::Terrain(source?),
         initial: InitialSettings {

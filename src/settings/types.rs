@@ -111,6 +111,8 @@ pub struct ObjectSettings {
     pub conveyor: bool,
     /// Whether it moves as inputs say, whatever pushes it.
     pub driven: bool,
+    /// Where it says a mass of which it has no use, because nothing moves it or because inputs do.
+    pub idle_mass: Option<Place>,
     /// Friction and restitution of all its links, and what their meshes become; none: its file's.
     pub surface: LinkSettings,
     /// Where it was asked for; none for one from the command line.
@@ -206,10 +208,10 @@ pub struct Mounting {
 pub enum InertiaSource {
     /// `<inertia>`.
     Urdf,
-    /// The collision shapes, as solids of the link's mass.
-    Collision,
     /// `<inertia>`, where no body can have it the nearest that one can have.
     Nearest,
+    /// The collision shapes, as solids of the link's mass.
+    Collision,
     /// The box around the collision shapes, as `PyBullet` takes it.
     PyBullet,
 }

@@ -105,7 +105,10 @@ fn object(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
         reader.error("S106", &entry.span, message, help);
     }
     let (xy, z) = place(section);
+    let idle = section.entry("mass").filter(|_| fixed || driven);
+    let idle_mass = idle.map(|entry| reader.place(&entry.span));
     Some(ObjectSettings {
+        idle_mass,
         name: Some(name?),
         source: source?,
         initial: InitialSettings {

@@ -349,3 +349,60 @@ fn of_a_world_with_a_file_that_cannot_be_read_the_other_names_are_checked() {
         }
     }
 }
+
+/// What a key of an object does not do is told, and what belongs to a robot.
+#[test]
+fn an_idle_mass_and_a_sensor_on_an_object_are_told_with_what_helps() {
+    let folder = tempfile::tempdir().unwrap();
+    let check = |keys: &str| {
+        let shape = "[[world.object]]\nname = 'cup'\nshape = { sphere = 0.1 }\nxyz = [2, 0]\n";
+        let settings = people::write(folder.path(), "s.toml", format!("{shape}{keys}"));
+        people::findings(&example("rover.urdf"), &["-c", text(&settings)])
+    };
+    for why in ["static", "driven"] {
+        let (ok, list) = check(&format!("mass = 2\n{why} = true\n"));
+        let message = packages::field(&list, "S106", "message");
+        assert!(
+            ok && message.contains(&format!("'cup' changes nothing: it is {why}")),
+            "{list:?}"
+        );
+        let (ok, list) = check(&format!("{why} = true\n"));
+        assert!(ok && list.iter().all(|f| f["code"] != "S106"), "{list:?}");
+    }
+    for name in ["cup", "cup.cup"] {
+        let sensor = format!("mass = 2\n[[sensor]]\ntype = 'imu'\nlink = '{name}'\n");
+        let (ok, list) = check(&sensor);
+        let help = packages::field(&list, "A101", "help");
+        assert!(
+            !ok && help.starts_with("'cup' is an object of the world"),
+            "{list:?}"
+        );
+    }
+}
+
+/// What an object offers works with an object: a density would let scenery fall, and is none's.
+#[test]
+fn a_door_without_mass_gets_the_missing_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let panel = "<collision><geometry><box size='1 0.1 2'/></geometry></collision>";
+    let door = format!(
+        "<robot name='door'><link name='frame'/><link name='panel'>{panel}</link>\
+         <joint name='hinge' type='revolute'><parent link='frame'/><child link='panel'/>\
+         <origin xyz='0.5 0 1.1'/><axis xyz='0 0 1'/><limit lower='0' upper='2' effort='9' \
+         velocity='9'/></joint></robot>"
+    );
+    people::write(folder.path(), "door.urdf", door);
+    let object = format!("{}@5,0", folder.path().join("door.urdf").display());
+    let check = |options: &[&str]| {
+        let all = [&["--object", object.as_str()][..], options].concat();
+        people::findings(&example("rover.urdf"), &all)
+    };
+    let (ok, list) = check(&[]);
+    let help = packages::field(&list, "A104", "help");
+    assert!(
+        !ok && help.starts_with("--missing-mass 0.1 gives"),
+        "{list:?}"
+    );
+    assert!(!help.contains("--density"), "{help}");
+    assert!(check(&["--missing-mass", "0.1"]).0);
+}

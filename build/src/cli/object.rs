@@ -38,6 +38,7 @@ pub(super) fn parse(text: &str) -> Result<ObjectSettings, String> {
     let at = |i: usize| numbers.get(i).copied();
     let or_zero = |i: usize| at(i).unwrap_or_default();
     Ok(ObjectSettings {
+        idle_mass: None,
         name: None,
         source: ObjectSource::Urdf(PathBuf::from(file)),
         conveyor: false,
