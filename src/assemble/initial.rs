@@ -3,7 +3,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::base::Base;
-use super::findings::{Findings, listed};
+use super::findings::{Findings, counted, listed};
 use super::robot::{is_scalar, kind_name};
 use crate::dynamics::crba;
 use crate::force::{ContactSet, detect};
@@ -250,10 +250,20 @@ pub(super) fn height(
     model.roots[0].set_down = own;
     // A robot at rest is this deep in the ground.
     if depth > model.contact.penetration && !settings.driven {
+        let deepest = &model.links[link.index()].name;
+        let others = links_below(model, poses, -model.contact.penetration);
+        let others: Vec<&String> = others.iter().filter(|name| *name != deepest).collect();
+        let others = match others.len() {
+            0 => String::new(),
+            n => format!(
+                ", and {} less deep ({})",
+                counted(n, "other"),
+                listed(&others)
+            ),
+        };
         let message = format!(
-            "the robot starts {:.3} mm inside the ground, with link '{}'",
-            1e3 * depth,
-            model.links[link.index()].name
+            "the robot starts {:.3} mm inside the ground, with link '{deepest}'{others}",
+            1e3 * depth
         );
         let z = -z;
         let help = if floating {
@@ -262,11 +272,37 @@ pub(super) fn height(
             )
         } else {
             format!(
-                "mount the base at z = {z:.6} m ([initial] xyz), or use ground = {{ type = \"none\" }}"
+                "start in another pose ([initial] joints, or --srdf with --initial-state), mount the \
+                 base at z = {z:.6} m ([initial] xyz), or use ground = {{ type = \"none\" }}"
             )
         };
+        let help =
+            format!("{help}; forces and accelerations at the start last for an instant only");
         findings.warning("A112", None, message, &help);
     }
+}
+
+/// Names of the links that can move and reach below a height over the ground, m.
+fn links_below(model: &Model, poses: &Poses, height: f64) -> Vec<String> {
+    let base = poses.base_height(model) - model.roots[0].position.z;
+    let mut links: Vec<usize> = model
+        .colliders
+        .iter()
+        .filter(|collider| moves(model, collider))
+        .filter(|collider| {
+            let X = poses.collider(model, collider);
+            collider.shape.lowest(&X, &Vec3::z()) - base < height
+        })
+        .map(|collider| collider.link.index())
+        .collect();
+    links.sort_unstable();
+    links.dedup();
+    let name = |link: usize| model.links[link].name.clone();
+    links.into_iter().map(name).collect()
+}
+
+fn moves(model: &Model, collider: &Collider) -> bool {
+    model.bodies[collider.body.index()].motion.kind().moves()
 }
 
 /// How far the model, whose lowest point touches the ground, must sink until the ground carries its
@@ -315,12 +351,11 @@ fn static_depth(model: &Model) -> f64 {
 /// Height of the lowest point of the shapes that move, or of all, above the base's origin, and its
 /// link.
 fn lowest_point(model: &Model, poses: &Poses, all: bool) -> Option<(LinkId, f64)> {
-    let moving = |collider: &Collider| model.bodies[collider.body.index()].motion.kind().moves();
     let base = poses.base_height(model);
     model
         .colliders
         .iter()
-        .filter(|collider| all || moving(collider))
+        .filter(|collider| all || moves(model, collider))
         .map(|collider| {
             let X = poses.collider(model, collider);
             (collider.link, collider.shape.lowest(&X, &Vec3::z()) - base)

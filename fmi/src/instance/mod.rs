@@ -229,7 +229,8 @@ impl Instance {
         if let Some((link, depth)) = self.simulation.deepest_in_ground() {
             let message = format!(
                 "the start is {:.3} mm inside the ground, with link '{link}': contacts will push it \
-                 out; raise initial.base.position.z",
+                 out, at first with huge forces and accelerations; raise initial.base.position.z or \
+                 set initial.joint.*.position",
                 1e3 * depth
             );
             self.warn(&message);

@@ -107,8 +107,20 @@ fn a_start_inside_the_ground_is_warned_about_with_its_depth() {
         body("arm", 1.0),
     );
     let fixed = assembled(&arm, "robot.base = \"fixed\"");
-    assert!(note(&fixed, "A112").message.contains("50.000 mm"));
+    let told = note(&fixed, "A112");
+    assert!(
+        told.message
+            .ends_with("50.000 mm inside the ground, with link 'arm'")
+    );
+    assert!(
+        told.help
+            .is_some_and(|help| help.starts_with("start in another pose"))
+    );
     assert!(close(fixed.model.roots[0].position.z, 0.0));
+    let longer = arm.with("arm", "k", Revolute, at(0.0, 0.0, 0.02), body("hand", 1.0));
+    let told = note(&assembled(&longer, "robot.base = \"fixed\""), "A112").message;
+    let both = "50.000 mm inside the ground, with link 'arm', and 1 other less deep ('hand')";
+    assert!(told.ends_with(both), "{told}");
 }
 
 #[test]

@@ -46,7 +46,8 @@ fn a_start_in_the_ground_is_told_with_its_depth() {
         let expected = told.map(|depth| {
             format!(
                 "Warning logStatusWarning the start is {depth} mm inside the ground, with link \
-                 'wheel': contacts will push it out; raise initial.base.position.z"
+                 'wheel': contacts will push it out, at first with huge forces and accelerations; \
+                 raise initial.base.position.z or set initial.joint.*.position"
             )
         });
         assert_eq!(said, Vec::from_iter(expected), "{height}");
