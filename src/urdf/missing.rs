@@ -202,14 +202,11 @@ pub(super) fn report_moved(scope: &mut Scope, robot: &CheckedRobot, resolver: &R
         }
     }
     for (package, at) in packages {
-        if let Some((other, used)) = resolver.as_near(package) {
-            let message = format!(
-                "package '{package}' is at {} and at {}; the first is used",
-                used.display(),
-                other.display()
-            );
-            let help = format!("pass --package {package}=DIR to say which is meant");
-            scope.report.warning("U118", (*at).clone(), message, help);
+        if let Some(remark) = resolver.remark(package) {
+            let (at, message) = ((*at).clone(), remark.message);
+            scope
+                .report
+                .add(remark.severity, "U118", at, message, remark.help);
         }
     }
     let mut groups: BTreeMap<(&str, bool), Vec<Place>> = BTreeMap::new();

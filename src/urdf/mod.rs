@@ -64,6 +64,7 @@ use crate::diagnostic::{Diagnostic, Report};
 use crate::spatial::Vec3;
 use mesh::MeshFile;
 use packages::Packages;
+pub use packages::Remark;
 use resolve::Resolver;
 use scope::Scope;
 use std::path::{Path, PathBuf};
@@ -97,13 +98,27 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Description, Vec<Diagn
     Ok(description)
 }
 
-/// Tells the folders of packages, looked for as for `package://`.
+/// A package.
+#[derive(Clone, Debug)]
+pub struct FoundPackage {
+    /// Its folder.
+    pub folder: PathBuf,
+    /// What is to be said of where that is.
+    pub remark: Option<Remark>,
+}
+
+/// Finds packages, looked for as for `package://`.
 pub fn package_finder<'o>(
     base_dir: &Path,
     options: &'o ReadOptions,
-) -> impl Fn(&str) -> Option<PathBuf> + use<'o> {
+) -> impl Fn(&str) -> Option<FoundPackage> + use<'o> {
     let packages = Packages::new(base_dir, options);
-    move |name| Some(resolve::tidy(&packages.folder(name)?))
+    move |name| {
+        Some(FoundPackage {
+            folder: resolve::tidy(&packages.folder(name)?),
+            remark: packages.remark(name),
+        })
+    }
 }
 
 /// Corners of the faces of a mesh file (STL, OBJ, PLY, COLLADA, glTF) in m, as a URDF

@@ -10,6 +10,7 @@ mod index;
 mod tests;
 
 use super::options::ReadOptions;
+use crate::diagnostic::Severity;
 use folder::{has_manifest, is_called, is_common, manifest_is, spellings};
 use index::{Index, MOST_ENTRIES};
 use std::cell::{OnceCell, RefCell};
@@ -24,6 +25,17 @@ pub(super) struct Place {
     pub(super) folder: PathBuf,
     /// Its `package.xml` or an option says that it is.
     pub(super) sure: bool,
+}
+
+/// What is to be said of where a package was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Remark {
+    /// How bad it is.
+    pub severity: Severity,
+    /// One sentence without a full stop.
+    pub message: String,
+    /// What to do.
+    pub help: String,
 }
 
 /// Where packages are looked for.
@@ -69,67 +81,104 @@ impl<'o> Packages<'o> {
         if name.is_empty() || name.starts_with('.') {
             return list;
         }
+        for place in self.candidates(&spellings(name)) {
+            let sure = place.sure;
+            list.push(place);
+            if sure {
+                break;
+            }
+        }
+        list
+    }
+
+    /// All folders that may be a package with one of these names, in the order in which they are
+    /// asked: what an option names, the package paths, then the surroundings of the robot; of each
+    /// of the two, first what `package.xml` says, then what is only called so.
+    fn candidates(&self, names: &[String]) -> impl Iterator<Item = Place> {
+        let sure = |folder: PathBuf| Place { folder, sure: true };
         let bare = |folder: PathBuf| Place {
             folder,
             sure: false,
         };
-        let sure = |folder: PathBuf| Place { folder, sure: true };
-        let names = spellings(name);
-        for (_, folder) in self.named.iter().filter(|(own, _)| names.contains(own)) {
-            let place = bare(folder.clone());
-            if folder.is_dir() {
-                list.push(sure(place.folder));
-                return list;
-            }
-            list.push(place);
-        }
-        let manifest = |folder: &PathBuf| manifest_is(folder, &names);
-        let near = |path: &PathBuf| -> Vec<PathBuf> {
-            let below = names.iter().flat_map(|name| {
-                // An install prefix (AMENT_PREFIX_PATH) keeps packages in share/.
-                [path.join(name), path.join("share").join(name)]
-            });
-            std::iter::once(path.clone()).chain(below).collect()
-        };
-        let found = self.paths.iter().flat_map(near).find(manifest);
-        let found = found.or_else(|| self.of_paths().named(&names).next().map(Path::to_owned));
-        if let Some(folder) = found {
-            list.push(sure(folder));
-            return list;
-        }
-        for path in self.paths {
-            let own = |folder: &PathBuf| folder != path || is_called(folder, &names);
-            list.extend(near(path).into_iter().filter(own).map(bare));
-        }
+        let named = self.named.iter().filter(|(own, _)| names.contains(own));
+        let named = named.map(|(_, folder)| Place {
+            sure: folder.is_dir(),
+            folder: folder.clone(),
+        });
+        // Whoever does not get so far does not look into folders.
+        named
+            .chain(
+                std::iter::once_with(|| self.of_paths_by_manifest(names))
+                    .flatten()
+                    .map(sure),
+            )
+            .chain(
+                std::iter::once_with(|| self.of_paths_by_name(names))
+                    .flatten()
+                    .map(bare),
+            )
+            .chain(
+                std::iter::once_with(|| self.around_by_manifest(names))
+                    .flatten()
+                    .map(sure),
+            )
+            .chain(
+                std::iter::once_with(|| self.around_by_name(names))
+                    .flatten()
+                    .map(bare),
+            )
+    }
+
+    /// A package path, and where it keeps a package: an install prefix (`AMENT_PREFIX_PATH`) does
+    /// in `share/`.
+    fn near<'n>(path: &'n Path, names: &'n [String]) -> impl Iterator<Item = PathBuf> {
+        let below = names
+            .iter()
+            .flat_map(|name| [path.join(name), path.join("share").join(name)]);
+        std::iter::once(path.to_owned()).chain(below)
+    }
+
+    fn of_paths_by_manifest(&self, names: &[String]) -> Option<PathBuf> {
+        let mut near = self.paths.iter().flat_map(|path| Self::near(path, names));
+        let found = near.find(|folder| manifest_is(folder, names));
+        found.or_else(|| self.of_paths().named(names).next().map(Path::to_owned))
+    }
+
+    fn of_paths_by_name(&self, names: &[String]) -> Vec<PathBuf> {
+        let near = self.paths.iter().flat_map(|path| {
+            let own = move |folder: &PathBuf| folder != path || is_called(folder, names);
+            Self::near(path, names).filter(own)
+        });
         // A source tree keeps them in repositories, one level down.
         let of_repository = |folder: &&Path| {
             let path = folder.parent().and_then(Path::parent);
             path.is_some_and(|path| self.paths.iter().any(|own| own == path))
         };
-        let called = self.of_paths().called(&names).filter(of_repository);
-        list.extend(called.map(Path::to_owned).map(bare));
-        let mut above = self.base.ancestors().map(Path::to_owned);
-        let found = above.find(manifest);
-        let found = found.or_else(|| self.workspace().named(&names).next().map(Path::to_owned));
-        if let Some(folder) = found {
-            list.push(sure(folder));
-            return list;
-        }
+        let called = self.of_paths().called(names).filter(of_repository);
+        near.chain(called.map(Path::to_owned)).collect()
+    }
+
+    fn around_by_manifest(&self, names: &[String]) -> Option<PathBuf> {
+        let mut above = self.base.ancestors();
+        let found = above.find(|folder| manifest_is(folder, names));
+        let found = found.or_else(|| self.workspace().named(names).next());
+        found.map(Path::to_owned)
+    }
+
+    fn around_by_name(&self, names: &[String]) -> Vec<PathBuf> {
+        let mut list = Vec::new();
         for dir in self.base.ancestors() {
-            if is_called(dir, &names) {
-                list.push(bare(dir.to_owned()));
-            }
-            for name in &names {
+            list.extend(is_called(dir, names).then(|| dir.to_owned()));
+            for name in names {
                 // An install tree of colcon has a prefix for each package.
                 let installed = dir.join(name).join("share").join(name);
-                list.extend(installed.is_dir().then(|| bare(installed)));
-                list.push(bare(dir.join(name)));
+                list.extend(installed.is_dir().then_some(installed));
+                list.push(dir.join(name));
             }
         }
         // With another name in its package.xml, as of a repository that was renamed.
-        let workspace = self.workspace();
-        let renamed = workspace.called(&names).filter(|dir| has_manifest(dir));
-        list.extend(renamed.map(Path::to_owned).map(bare));
+        let renamed = self.workspace().called(names);
+        list.extend(renamed.filter(|dir| has_manifest(dir)).map(Path::to_owned));
         list
     }
 
@@ -161,11 +210,36 @@ impl<'o> Packages<'o> {
         list
     }
 
-    /// The other package of that name that is as near as the one in `folder`.
-    pub(super) fn as_near(&self, name: &str, folder: &Path) -> Option<PathBuf> {
+    /// What is to be said of where a package was found, if it is not plain.
+    pub(super) fn remark(&self, name: &str) -> Option<Remark> {
+        let places = self.places(name);
+        let used = places.iter().find(|place| place.sure)?;
         // Whoever did not need the index has a package above the file, or in a package path.
         let index = self.workspace.get()?;
-        index.as_near(&spellings(name), folder).map(Path::to_owned)
+        let names = spellings(name);
+        let help = format!("pass --package {name}=DIR to say which is meant");
+        let folder = used.folder.display();
+        if let Some(other) = index.as_near(&names, &used.folder) {
+            let other = other.display();
+            return Some(Remark {
+                severity: Severity::Warning,
+                message: format!(
+                    "package '{name}' is at {folder} and at {other}; the first is used"
+                ),
+                help,
+            });
+        }
+        let found = index.named(&names).any(|folder| folder == used.folder);
+        let own = around(&self.base).own;
+        let apart = own.is_none_or(|own| !used.folder.starts_with(own));
+        (found && apart).then(|| Remark {
+            severity: Severity::Note,
+            message: format!(
+                "package '{name}' is taken from {folder}, which no workspace or repository of the \
+                 robot holds"
+            ),
+            help,
+        })
     }
 
     /// The folder in which packages were looked for, if it has more than was looked at.
@@ -184,33 +258,51 @@ impl<'o> Packages<'o> {
 
     fn workspace(&self) -> &Index {
         self.workspace
-            .get_or_init(|| Index::below(&around(&self.base), MOST_ENTRIES))
+            .get_or_init(|| Index::below(&around(&self.base).folders, MOST_ENTRIES))
     }
 }
 
-/// The folders around a robot in which packages are looked for, each in the next one: up to the
-/// outermost workspace, which has the robot in its `src` or `install`; without one some folders
-/// up, or to the outermost repository. Not the folders of all users, nor the system's.
-fn around(base: &Path) -> Vec<PathBuf> {
+/// Where packages are looked for around a robot.
+#[derive(Debug)]
+struct Around {
+    /// Folders, each in the next one.
+    folders: Vec<PathBuf>,
+    /// The workspace or the outermost repository that holds the robot.
+    own: Option<PathBuf>,
+}
+
+/// The folders around a robot: up to the outermost workspace, which has the robot in its `src` or
+/// `install`; without one some folders up, or to the outermost repository. Not the folders of all
+/// users, nor the system's.
+fn around(base: &Path) -> Around {
     /// How far up packages are looked for outside of a workspace
     /// (`packages_are_found_at_any_depth_of_the_workspace`).
     const HIGHEST: usize = 6;
-    let own: Vec<&Path> = base.ancestors().take_while(|dir| !is_common(dir)).collect();
+    let all: Vec<&Path> = base.ancestors().take_while(|dir| !is_common(dir)).collect();
     let holds = |pair: &[&Path]| {
         let [below, dir] = pair else { return false };
         // Sources of a package are in `src`, too.
         (below.ends_with("src") || below.ends_with("install")) && !has_manifest(dir)
     };
-    let pairs: Vec<&[&Path]> = own.windows(2).collect();
-    let count = pairs.iter().rposition(|pair| holds(pair)).map_or_else(
+    let pairs: Vec<&[&Path]> = all.windows(2).collect();
+    let workspace = pairs.iter().rposition(|pair| holds(pair));
+    let repository = || all.iter().rposition(|dir| dir.join(".git").exists());
+    let own = workspace.map(|place| place + 1).or_else(repository);
+    let count = workspace.map_or_else(
         || {
             // A folder directly below the root of the file system is rarely a project.
             let project = |dir: &&&Path| dir.ancestors().count() > 2;
-            let near = own.iter().take(HIGHEST + 1).filter(project).count();
-            let repository = own.iter().rposition(|dir| dir.join(".git").exists());
-            near.max(repository.map_or(0, |place| place + 1))
+            let near = all.iter().take(HIGHEST + 1).filter(project).count();
+            near.max(own.map_or(0, |place| place + 1))
         },
         |place| place + 2,
     );
-    own.into_iter().take(count).map(Path::to_owned).collect()
+    Around {
+        folders: all
+            .iter()
+            .take(count)
+            .map(|dir| (*dir).to_owned())
+            .collect(),
+        own: own.map(|place| all[place].to_owned()),
+    }
 }

@@ -47,6 +47,47 @@ fn packages_of_a_workspace_are_found_by_meshes_and_by_xacro() {
     );
     let first = message.find("fork").zip(message.find("repo"));
     assert!(first.is_some_and(|(fork, repo)| fork < repo), "{message}");
+    // Where xacro looks for it, too, with the place that names it.
+    write(root, "ws/src/deps/fork/grip/urdf/grip.xacro", &grip);
+    let robot = root.join("ws/src/cfg/arm/urdf/r.urdf.xacro");
+    let (ok, list) = findings(&robot, &[]);
+    let remarks: Vec<_> = list.iter().filter(|f| f["code"] == "U118").collect();
+    assert!(ok && remarks.len() == 1, "{remarks:?}");
+    assert_eq!(remarks[0]["message"], message);
+    assert_eq!(remarks[0]["severity"], "warning");
+    assert!(
+        remarks[0]["file"]
+            .as_str()
+            .unwrap()
+            .ends_with("r.urdf.xacro")
+    );
+    let named = format!("grip={}", root.join("ws/src/deps/repo/grip").display());
+    let (ok, list) = findings(&robot, &["--package", &named]);
+    assert!(ok && !list.iter().any(|f| f["code"] == "U118"), "{list:?}");
+}
+
+/// A robot that was copied out of its workspace takes what lies around: that is told, and where.
+#[test]
+fn a_package_outside_of_any_workspace_is_told_with_its_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    write(root, "tools/grip/package.xml", "<name>grip</name>");
+    write(root, "tools/grip/meshes/a.stl", tetrahedron());
+    let grip = mesh_robot(&["package://grip/meshes/a.stl"]);
+    write(root, "tools/grip/urdf/grip.xacro", &grip);
+    let plain = write(root, "copied/arm/urdf/r.urdf", &grip);
+    let xacro = "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'>\
+                 <xacro:include filename='$(find grip)/urdf/grip.xacro'/></robot>";
+    let xacro = write(root, "copied/arm/urdf/r.urdf.xacro", xacro);
+    let place = root.join("tools/grip").canonicalize().unwrap();
+    for robot in [plain, xacro] {
+        let (ok, list) = findings(&robot, &[]);
+        assert!(ok, "{list:?}");
+        let message = field(&list, "U118", "message");
+        let taken = format!("package 'grip' is taken from {},", place.display());
+        assert!(message.starts_with(&taken), "{message}");
+        assert_eq!(field(&list, "U118", "severity"), "note");
+    }
 }
 
 /// `$(env LIDAR_TYPE)` of many mobile robots.

@@ -141,14 +141,13 @@ fn of_its_name(path: &Path) -> Option<String> {
 
 /// Warnings of files that are at other places than their names say.
 pub(super) fn moved(texts: &Texts) -> Vec<Diagnostic> {
-    let finding = |problem: &Problem| Diagnostic {
-        severity: Severity::Warning,
+    const CORRECT: &str =
+        "correct the path in the file, or pass --package NAME=DIR to say where the package is";
+    let finding = |(severity, problem): &(Severity, Problem)| Diagnostic {
+        severity: *severity,
         code: "U118",
         message: problem.message.clone(),
-        help: Some(
-            "correct the path in the file, or pass --package NAME=DIR to say where the package is"
-                .to_owned(),
-        ),
+        help: Some(problem.meant.clone().unwrap_or_else(|| CORRECT.to_owned())),
         place: place(texts, problem),
     };
     texts.sources.moved.iter().map(finding).collect()

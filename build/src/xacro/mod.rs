@@ -188,8 +188,8 @@ pub fn expand(
         .values()
         .flat_map(|text| findings::named(text, "$(find "))
     {
-        if let Some(folder) = find(&name) {
-            let folder = std::path::absolute(&folder).unwrap_or(folder);
+        if let Some(found) = find(&name) {
+            let folder = std::path::absolute(&found.folder).unwrap_or(found.folder);
             packages.entry(name).or_insert(folder);
         }
     }

@@ -7,7 +7,9 @@ use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::encoding::xml_text;
+use urdf2fmu_core::urdf::FoundPackage;
 
 /// What a file is called whose name is empty.
 pub(super) const NAMELESS: &str = "a file without a name";
@@ -19,7 +21,7 @@ const DEEPEST: usize = 100;
 const LARGEST_FILE: u64 = 64 << 20;
 
 /// Where packages are.
-pub type Find<'f> = dyn Fn(&str) -> Option<PathBuf> + 'f;
+pub type Find<'f> = dyn Fn(&str) -> Option<FoundPackage> + 'f;
 
 /// All files of an expansion.
 pub struct Sources<'f> {
@@ -32,8 +34,8 @@ pub struct Sources<'f> {
     pub read: BTreeMap<PathBuf, Rc<str>>,
     /// Packages that were found.
     pub packages: BTreeMap<String, PathBuf>,
-    /// That files are at other places than their names say.
-    pub moved: Vec<Problem>,
+    /// That files and packages are at other places than one would think.
+    pub moved: Vec<(Severity, Problem)>,
 }
 
 /// A file that is read.
@@ -206,10 +208,14 @@ impl<'f> Sources<'f> {
                 meant.display()
             ))
         };
-        if !self.moved.iter().any(|known| known.is_as(&moved)) {
-            self.moved.push(moved);
-        }
+        self.tell(Severity::Warning, moved);
         meant
+    }
+
+    fn tell(&mut self, severity: Severity, moved: Problem) {
+        if !self.moved.iter().any(|(_, known)| known.is_as(&moved)) {
+            self.moved.push((severity, moved));
+        }
     }
 
     /// A path that counts from the folder of the file that is read.
@@ -229,19 +235,24 @@ impl<'f> Sources<'f> {
     /// The folder of the package whose name is another one in small letters, as all are named.
     pub fn package_in_small_letters(&self, name: &str) -> Option<PathBuf> {
         let small = name.to_lowercase();
-        let folder = (small != name).then(|| (self.find)(&small))??;
+        let folder = (small != name).then(|| (self.find)(&small))??.folder;
         Some(std::path::absolute(&folder).unwrap_or(folder))
     }
 
     /// The folder of a package.
     pub fn package(&mut self, name: &str) -> Done<String> {
-        let Some(folder) = (self.find)(name) else {
+        let Some(found) = (self.find)(name) else {
             return Err(Problem {
                 lacking: Some(Lacking::Package(name.to_owned())),
                 ..self.problem(format!("the package '{name}' is not found"))
             });
         };
-        let folder = std::path::absolute(&folder).unwrap_or(folder);
+        if let Some(remark) = found.remark {
+            let problem = self.problem(remark.message);
+            let meant = Some(remark.help);
+            self.tell(remark.severity, Problem { meant, ..problem });
+        }
+        let folder = std::path::absolute(&found.folder).unwrap_or(found.folder);
         let shown = folder.display().to_string();
         self.packages.insert(name.to_owned(), folder);
         Ok(shown)

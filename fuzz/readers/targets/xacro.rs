@@ -42,12 +42,18 @@ mod yaml;
 use expand::Expansion;
 use std::collections::BTreeMap;
 use std::path::Path;
+use urdf2fmu_core::urdf::FoundPackage;
 
 pub fn xacro(data: &[u8]) {
     let text = String::from_utf8_lossy(data);
     let mut parts = text.split('\0');
     let nowhere = Path::new("no-such-folder");
-    let find = |name: &str| (name == "p").then(|| nowhere.to_owned());
+    let find = |name: &str| {
+        (name == "p").then(|| FoundPackage {
+            folder: nowhere.to_owned(),
+            remark: None,
+        })
+    };
     let arguments = BTreeMap::from([("a".to_owned(), "1".to_owned())]);
     let mut expansion = Expansion::new(arguments, &find);
     for name in ["r", "b", "y"] {

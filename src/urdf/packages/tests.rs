@@ -114,18 +114,58 @@ fn of_two_packages_of_one_name_the_nearest_is_taken() {
     );
     let base = folder.0.join("ws/src/arm");
     let options = ReadOptions::default();
-    let as_near = || {
+    let found = || {
         let packages = Packages::new(&base, &options);
-        let found = packages.folder("grip").expect("found");
-        let other = packages.as_near("grip", &found);
-        (found, other)
+        (packages.folder("grip"), packages.remark("grip"))
     };
     let near = folder.0.join("ws/src/b/grip");
-    assert_eq!(as_near(), (near.clone(), None));
+    assert_eq!(found(), (Some(near.clone()), None));
     let first = folder.0.join("ws/src/a/grip");
     fs::create_dir_all(&first).expect("folder");
     fs::write(first.join("package.xml"), GRIP).expect("file");
-    assert_eq!(as_near(), (first, Some(near)));
+    let (used, remark) = found();
+    let remark = remark.expect("two");
+    assert_eq!(
+        (used, remark.severity),
+        (Some(first.clone()), Severity::Warning)
+    );
+    let both = format!("is at {} and at {};", first.display(), near.display());
+    assert!(remark.message.contains(&both), "{remark:?}");
+}
+
+/// Whoever has taken a robot out of its workspace must learn that the next package of the name is
+/// one of something else.
+#[test]
+fn a_package_that_no_workspace_holds_is_told_with_its_folder() {
+    let files = [
+        ("robots/arm/urdf/r.urdf", ""),
+        ("robots/arm/package.xml", "<name>arm</name>"),
+        ("tools/grip/package.xml", GRIP),
+    ];
+    let folder = Folder::new("outside", &files);
+    let base = folder.0.join("robots/arm/urdf");
+    let options = ReadOptions::default();
+    let remark = |name: &str| {
+        let packages = Packages::new(&base, &options);
+        assert!(packages.folder(name).is_some());
+        packages.remark(name)
+    };
+    let told = remark("grip").expect("a remark");
+    let place = folder.0.join("tools/grip").display().to_string();
+    assert!(
+        told.severity == Severity::Note && told.message.contains(&place),
+        "{told:?}"
+    );
+    // The robot's own package, what an option names, and what its repository holds, are plain.
+    assert_eq!(remark("arm"), None);
+    let named = ReadOptions {
+        package_paths: vec![folder.0.join("tools")],
+        ..ReadOptions::default()
+    };
+    let packages = Packages::new(&base, &named);
+    assert!(packages.folder("grip").is_some() && packages.remark("grip").is_none());
+    fs::create_dir(folder.0.join(".git")).expect("folder");
+    assert_eq!(remark("grip"), None);
 }
 
 #[test]
@@ -177,7 +217,7 @@ fn a_search_ends_after_a_number_of_files_and_says_so() {
 
 #[test]
 fn the_folders_of_users_and_of_the_system_are_not_looked_through() {
-    let root = |path: &str| around(Path::new(path)).pop();
+    let root = |path: &str| around(Path::new(path)).folders.pop();
     let some = |path: &str| Some(PathBuf::from(path));
     assert_eq!(root("/home/me/robots/arm/urdf"), some("/home/me/robots"));
     assert_eq!(root("/home/me"), None);
@@ -186,7 +226,7 @@ fn the_folders_of_users_and_of_the_system_are_not_looked_through() {
     // Of a container.
     assert_eq!(root("/ws/src/arm/urdf"), some("/ws"));
     let temporary = std::env::temp_dir();
-    assert_eq!(around(&temporary), Vec::<PathBuf>::new());
+    assert_eq!(around(&temporary).folders, Vec::<PathBuf>::new());
 }
 
 #[cfg(unix)]

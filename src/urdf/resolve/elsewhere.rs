@@ -1,6 +1,7 @@
 //! Files at other places than their names say: in the robot's folders and around them.
 
 use super::super::nearby::{self, Files};
+use super::super::packages::Remark;
 use super::{Candidate, Moved, Resolver, normal, other_case, percent_decoded, tidy};
 use std::collections::BTreeMap;
 use std::fs;
@@ -83,12 +84,9 @@ impl Resolver<'_> {
         self.moved.borrow().clone()
     }
 
-    /// The other package of the same name that is as near as the one that is used, and that one.
-    pub(in crate::urdf) fn as_near(&self, package: &str) -> Option<(PathBuf, PathBuf)> {
-        let places = self.packages.places(package);
-        let used = places.iter().find(|place| place.sure)?;
-        let other = self.packages.as_near(package, &used.folder)?;
-        Some((other, used.folder.clone()))
+    /// What is to be said of where a package was found, if it is not plain.
+    pub(in crate::urdf) fn remark(&self, package: &str) -> Option<Remark> {
+        self.packages.remark(package)
     }
 
     /// The option that makes most of `names` be found, and how many; they are names of one package,
