@@ -51,12 +51,18 @@ pub(super) fn advice(
         };
         let shown = file.display().to_string();
         let line = Place::in_text(&shown, text, at..at + 1).line;
+        // Properties of macros can be handed out.
+        let scope = if tag == PROPERTY {
+            "; scope=\"parent\" makes what a macro defines known where it is called"
+        } else {
+            ""
+        };
         return Some(if *file == problem.file && at > problem.at {
             format!("it is defined behind this, in line {line}: put the definition before its use")
         } else {
             format!(
                 "{shown}:{line} defines it, but later, in another macro or under a condition that \
-                 does not hold: put the definition before its use"
+                 does not hold: put the definition before its use{scope}"
             )
         });
     }

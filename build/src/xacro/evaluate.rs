@@ -5,6 +5,10 @@ use super::parse::{Each, Expression};
 use super::value::{Value, insert, items, without};
 use super::{format, functions};
 use std::rc::Rc;
+use urdf2fmu_core::diagnostic::nearest;
+
+/// How the message on a key that is missing begins: no other program has it either.
+pub(super) const NO_KEY: &str = "the dictionary has no key";
 
 /// Entries of a list that an expression may make.
 const LONGEST: i64 = 1_000_000;
@@ -178,7 +182,7 @@ impl<'n> Evaluation<'n> {
                 if functions::METHODS.contains(&name) {
                     return Ok(Value::Method(Rc::new((of.clone(), name.to_owned()))));
                 }
-                Err(format!("the dictionary has no key '{name}'"))
+                Err(no_key(pairs, &key))
             }
             _ => Ok(Value::Method(Rc::new((of.clone(), name.to_owned())))),
         }
@@ -344,6 +348,23 @@ fn contains(list: &Value, value: &Value) -> Result<bool, String> {
     }
 }
 
+/// What is said of a key that a dictionary does not have, with those that it has.
+fn no_key(pairs: &[(Value, Value)], key: &Value) -> String {
+    /// More keys than these are not shown.
+    const MOST: usize = 8;
+    let keys: Vec<String> = pairs.iter().map(|(own, _)| own.literal()).collect();
+    let known = match (
+        nearest(&key.literal(), keys.iter().map(String::as_str)),
+        keys.len(),
+    ) {
+        (Some(near), _) => format!(": did you mean {near}?"),
+        (None, 0) => ", nor any other".to_owned(),
+        (None, 1..=MOST) => format!(", only {}", keys.join(", ")),
+        (None, _) => format!(", only {}, …", keys[..MOST].join(", ")),
+    };
+    format!("{NO_KEY} {}{known}", key.literal())
+}
+
 /// From the end where it is negative.
 fn place(index: i64, length: usize) -> Option<usize> {
     let length = i64::try_from(length).ok()?;
@@ -358,7 +379,7 @@ fn item(of: &Value, index: &Value) -> Result<Value, String> {
         let found = pairs.iter().find(|(key, _)| key.same(index));
         return found
             .map(|(_, value)| value.clone())
-            .ok_or_else(|| format!("the dictionary has no key {}", index.literal()));
+            .ok_or_else(|| no_key(pairs, index));
     }
     let at = index.whole().ok_or("an index must be a whole number")?;
     let none = || "the index is out of range".to_owned();

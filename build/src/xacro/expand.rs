@@ -27,7 +27,7 @@ const MOST_ELEMENTS: usize = 1_000_000;
 
 /// Elements and calls that are looked into after something wrong was met. Macros that call
 /// themselves within calls which are wrong would go on for seconds, without anything new to tell.
-const MOST_AFTER: usize = 20_000;
+pub(super) const MOST_AFTER: usize = 20_000;
 
 /// The state of an expansion.
 pub struct Expansion<'f> {
@@ -79,6 +79,12 @@ impl<'f> Expansion<'f> {
             self.suppose_properties();
         }
         root
+    }
+
+    /// Elements and calls that were looked at since something wrong was met.
+    #[cfg(test)]
+    pub(super) fn looked_at(&self) -> usize {
+        self.after
     }
 
     /// Names of macros that the file defines.

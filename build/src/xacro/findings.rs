@@ -2,6 +2,7 @@
 
 use super::command;
 use super::definitions::{self, Unread, attribute};
+use super::evaluate::NO_KEY;
 use super::folders;
 use super::includers;
 use super::problem::{Lacking, Problem};
@@ -264,15 +265,7 @@ fn finding(
     } else if let Some(Lacking::Package(package)) = &problem.lacking {
         (
             format!("{name} cannot be expanded: {}", problem.message),
-            texts.sources.package_in_small_letters(package).map_or_else(
-                || {
-                    format!(
-                        "pass --package {package}=DIR, or --package-path DIR where DIR holds the \
-                         folder '{package}'"
-                    )
-                },
-                |folder| format!("pass --package {package}={}", folder.display()),
-            ),
+            of_package(texts, package),
         )
     } else {
         let empty = empty_arguments(texts, arguments);
@@ -297,6 +290,9 @@ fn finding(
             // No other program knows it either.
             Some(Lacking::Macro(_)) => DEFINE.to_owned(),
             Some(Lacking::Variable(name)) => setting(texts, name),
+            None if problem.message.starts_with(NO_KEY) => {
+                "correct the key, or the file that the dictionary is read from".to_owned()
+            }
             _ => command::advice(path, arguments),
         };
         (
@@ -353,6 +349,17 @@ fn setting(texts: &Texts, name: &str) -> String {
     let reason = value.as_ref().map_or("", |_| ", a value of its conditions");
     let value = value.unwrap_or_else(|| "…".to_owned());
     format!("set it in the call{reason}: {name}={value} urdf2fmu …")
+}
+
+/// The option that says where a package is.
+fn of_package(texts: &Texts, package: &str) -> String {
+    match texts.sources.package_in_small_letters(package) {
+        Some(folder) => format!("pass --package {package}={}", folder.display()),
+        None => format!(
+            "pass --package {package}=DIR, or --package-path DIR where DIR holds the folder \
+             '{package}'"
+        ),
+    }
 }
 
 /// Arguments that nobody gives and whose default is empty.

@@ -72,3 +72,27 @@ fn quotes_in_comments_may_be_of_any_alphabet() {
     let text = expanded.text;
     assert!(text.contains("<link name=\"a\"/>"), "{text}");
 }
+
+/// Macros that call themselves within calls that are wrong went on for seconds: each wrong call was
+/// told, or known, and the next looked into. What is refused then is counted, too: each element
+/// that is open, and its calls.
+#[test]
+fn macros_that_call_themselves_within_wrong_calls_end_soon() {
+    let wrong = "<xacro:none/>".repeat(3);
+    let calls = "<xacro:ab><xacro:b/></xacro:ab>".repeat(3);
+    let text = format!(
+        "<robot name='r' xmlns:xacro='http://wiki.ros.org/xacro'>\
+         <xacro:macro name='a' params='*k'>{calls}<xacro:a/></xacro:macro>\
+         <xacro:macro name='b' params='*k'>{wrong}</xacro:macro>\
+         <xacro:macro name='ab' params=''><xacro:none y='${{y}}'/></xacro:macro><xacro:a/></robot>"
+    );
+    let path = Path::new("no-such-folder/r.xacro");
+    let nowhere = |_: &str| None;
+    let mut expansion = Expansion::new(BTreeMap::new(), &nowhere);
+    let files = &mut expansion.texts.sources.read;
+    files.insert(path.to_owned(), text.into());
+    expansion.document(path);
+    assert!(!expansion.problems.is_empty());
+    let looked_at = expansion.looked_at();
+    assert!(looked_at < 2 * expand::MOST_AFTER, "{looked_at}");
+}

@@ -199,6 +199,23 @@ impl<'f> Texts<'f> {
         problem.meant(name, own.chain(functions::globals()))
     }
 
+    /// A value from outside with its `$(find …)`, which xacro looks for once more in what
+    /// arguments and variables of the environment have given.
+    fn with_packages(&mut self, value: &str) -> Done<String> {
+        let mut out = String::new();
+        let mut rest = value;
+        while let Some((before, after)) = rest.split_once("$(find ") {
+            let Some((name, after)) = after.split_once(')') else {
+                break;
+            };
+            out.push_str(before);
+            out.push_str(&self.sources.package(name.trim())?);
+            rest = after;
+        }
+        out.push_str(rest);
+        Ok(out)
+    }
+
     /// What stands in `$(…)`.
     fn substitution(&mut self, text: &str, scope: usize) -> Done<String> {
         if let Some(expression) = text.strip_prefix("eval ") {
@@ -212,24 +229,29 @@ impl<'f> Texts<'f> {
                 if self.lost.contains(name) {
                     return known.ok_or_else(|| self.sources.follows());
                 }
-                known.ok_or_else(|| Problem {
+                let value = known.ok_or_else(|| Problem {
                     lacking: Some(Lacking::Argument(name.to_owned())),
                     weight: self.weight_of_missing(),
                     ..self
                         .sources
                         .problem(format!("the argument '{name}' has no value"))
                         .meant(name, self.arguments.keys().map(String::as_str))
-                })
+                })?;
+                self.with_packages(&value)
             }
             ["find", package] => self.sources.package(package),
-            ["env", name] => std::env::var(name).map_err(|_| Problem {
-                lacking: Some(Lacking::Variable(name.to_owned())),
-                ..self
-                    .sources
-                    .problem(format!("the environment variable {name} is not set"))
-            }),
+            ["env", name] => {
+                let value = std::env::var(name).map_err(|_| Problem {
+                    lacking: Some(Lacking::Variable(name.to_owned())),
+                    ..self
+                        .sources
+                        .problem(format!("the environment variable {name} is not set"))
+                })?;
+                self.with_packages(&value)
+            }
             ["optenv", name, ref default @ ..] => {
-                Ok(std::env::var(name).unwrap_or_else(|_| default.join(" ")))
+                let value = std::env::var(name).unwrap_or_else(|_| default.join(" "));
+                self.with_packages(&value)
             }
             ["dirname"] => Ok(self.sources.folder()),
             ["cwd"] => Ok(std::env::current_dir()
@@ -299,7 +321,16 @@ impl Names for Scoped<'_, '_> {
             let parsed = parse::expression(text).ok()?;
             Evaluation::new(&mut Nothing).value(&parsed).ok()?.number()
         };
-        yaml::read(&text, &mut evaluate).map_err(|error| format!("{}: {error}", path.display()))
+        let read = yaml::read(&text, &mut evaluate).map_err(|error| {
+            let problem = self
+                .texts
+                .sources
+                .problem(format!("{}: {error}", path.display()));
+            let meant = "correct that file: it is no YAML that could be read".to_owned();
+            let meant = Some(meant);
+            Problem { meant, ..problem }
+        });
+        self.told(read)
     }
 
     fn path(&mut self, name: &str) -> String {
