@@ -7,6 +7,7 @@
 
 mod asked;
 mod later;
+mod semantics;
 mod told;
 
 pub use asked::Request;
@@ -26,7 +27,7 @@ use urdf2fmu_core::model::Model;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
 use urdf2fmu_core::settings::{ActuatorSettings, FmiVersion, Mounting, Settings};
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
-use urdf2fmu_core::urdf::{self, Description};
+use urdf2fmu_core::urdf::Description;
 use urdf2fmu_core::variables::{self, TableError, Variable};
 use urdf2fmu_drawing::picture;
 use urdf2fmu_drawing::scene::{self, Scene, SceneError};
@@ -140,16 +141,19 @@ pub fn robot(request: &Request) -> Result<Robot, StageError> {
 fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> {
     let packages = &request.packages;
     let options = world::options(&settings, packages);
-    let read = world::read(&request.urdf, &request.xacro_arguments, &options);
+    let read = world::read(&request.urdf, request.arguments_of_robot(), &options);
     let (description, expanded) = read.map_err(|mut findings| {
         findings.extend(later::beside_robot(request, &settings, &options));
         StageError::Robot(findings)
     })?;
     let mut diagnostics = description.diagnostics.clone();
+    let own = expanded.map(|text| (request.urdf.clone(), text));
+    let mut expanded: Vec<(PathBuf, String)> = own.into_iter().collect();
     if let Some(path) = &request.srdf {
-        let state = request.initial_state.as_deref();
-        match urdf::read_srdf(path, state, &description) {
-            Ok(semantics) => {
+        match semantics::read(path, request, &options, &description, &mut diagnostics) {
+            Ok(read) => {
+                let semantics = read.semantics;
+                expanded.extend(read.expanded);
                 diagnostics.extend(semantics.diagnostics);
                 settings.initial.state = semantics.positions;
                 let name = |link: usize| description.links[link].name.clone();
@@ -213,8 +217,7 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
     let config = request.config.as_ref();
     let moved = config.zip(request.config_folder.as_ref());
     let settled = moved.and_then(|(file, to)| Some((file.clone(), to.join(file.file_name()?))));
-    let own = expanded.map(|text| (request.urdf.clone(), text));
-    let expanded = own.into_iter().chain(around.expanded).collect();
+    expanded.extend(around.expanded);
     Ok(Robot {
         description,
         guests: around.guests,

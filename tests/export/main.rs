@@ -23,6 +23,7 @@ mod packages;
 mod parts;
 mod people;
 mod ranges;
+mod semantics;
 mod unclosed;
 mod workspaces;
 mod world;

@@ -357,7 +357,8 @@ fn meshes_that_are_something_else_are_told_as_what_they_are() {
             "{told}: {errors:?}"
         );
     }
-    let srdf = "<robot name='rover' xmlns:xacro='x'><xacro:include filename='b.xacro'/></robot>";
+    // A call whose macro is nowhere.
+    let srdf = "<robot name='rover' xmlns:xacro='x'><xacro:rover_srdf prefix=''/></robot>";
     let srdf = write(folder.path(), "a.srdf", srdf);
     let (_, list) = findings(&example("rover.urdf"), &["--srdf", text(&srdf)]);
     let mut told = list

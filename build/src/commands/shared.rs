@@ -228,6 +228,7 @@ pub(super) fn as_fmu(
 /// [`CliError::Kind`].
 pub(super) fn refuse_other_kinds(path: &Path) -> Result<(), CliError> {
     use std::io::Read as _;
+    const SRDF: &str = "an SRDF: give the URDF, and this one with --srdf";
     if !path.is_file() {
         return Ok(());
     }
@@ -240,6 +241,8 @@ pub(super) fn refuse_other_kinds(path: &Path) -> Result<(), CliError> {
         .extension()
         .map(|ending| ending.to_string_lossy().to_lowercase());
     let ending = ending.unwrap_or_default();
+    let stem = path.file_stem().map(Path::new);
+    let whole = stem.and_then(Path::extension);
     let zip = bytes.starts_with(b"PK\x03\x04");
     let kind = match ending.as_str() {
         "fmu" if zip || bytes.is_empty() => return Ok(()),
@@ -251,7 +254,8 @@ pub(super) fn refuse_other_kinds(path: &Path) -> Result<(), CliError> {
         "stl" | "obj" | "dae" | "ply" | "gltf" | "glb" => "a mesh: give the URDF that uses it",
         "toml" => "a settings file: give the URDF, and this one with -c",
         "csv" => "a table: give the robot or the FMU, and this one with --input-file or --run",
-        "srdf" => "an SRDF: give the URDF, and this one with --srdf",
+        "srdf" => SRDF,
+        "xacro" if whole.is_some_and(|whole| whole.eq_ignore_ascii_case("srdf")) => SRDF,
         "yaml" | "yml" => "a YAML file: give the URDF or the .xacro file",
         "py" => "a Python program",
         _ if bytes.starts_with(b"\x7fELF") || bytes.starts_with(b"MZ") => "a program",

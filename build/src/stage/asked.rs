@@ -2,6 +2,7 @@
 
 use crate::library;
 use crate::world::Packages;
+use crate::xacro;
 use std::path::PathBuf;
 use urdf2fmu_core::diagnostic::Diagnostic;
 use urdf2fmu_core::model::{ActuatorMode, Arrays, Interface};
@@ -27,9 +28,9 @@ pub struct Request {
     pub compat: Option<Compat>,
     /// `--density`.
     pub density: Option<f64>,
-    /// `--inertia`.
     /// `--missing-mass`.
     pub missing_mass: Option<f64>,
+    /// `--inertia`.
     pub inertia: Option<InertiaSource>,
     /// `--sensors`: whether the URDF's are read.
     pub sensors: Option<bool>,
@@ -58,6 +59,17 @@ pub struct Request {
     pub objects: Vec<ObjectSettings>,
 }
 
+impl Request {
+    /// Arguments of xacro for the robot; none where they can only be meant for its SRDF.
+    pub(super) fn arguments_of_robot(&self) -> &[String] {
+        let of_srdf = || self.srdf.as_ref().is_some_and(|path| xacro::is_xacro(path));
+        if !xacro::is_xacro(&self.urdf) && of_srdf() {
+            return &[];
+        }
+        &self.xacro_arguments
+    }
+}
+
 /// The settings file, as far as it can be read, with what the request says over it, and what is
 /// wrong with the file.
 pub(super) fn settings_of(request: &Request) -> (Settings, Vec<Diagnostic>) {
@@ -78,6 +90,9 @@ pub(super) fn settings_of(request: &Request) -> (Settings, Vec<Diagnostic>) {
     if request.density.is_some() {
         settings.density = request.density;
     }
+    if request.missing_mass.is_some() {
+        settings.missing_mass = request.missing_mass;
+    }
     if let Some(scale) = request.scale {
         settings.scale = scale;
     }
@@ -90,9 +105,6 @@ pub(super) fn settings_of(request: &Request) -> (Settings, Vec<Diagnostic>) {
         settings.contact_points = true;
     }
     if let Some(flat_names) = request.flat_names {
-    if request.missing_mass.is_some() {
-        settings.missing_mass = request.missing_mass;
-    }
         settings.flat_names = flat_names;
     }
     settings.fmu.fmi = request.fmi.unwrap_or(settings.fmu.fmi);

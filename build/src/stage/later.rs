@@ -5,13 +5,13 @@
 //! errors are told that do not follow from the first ones: those of names. What is missing is not
 //! taken for a fault: masses, shapes and limits may hang on what is wrong before.
 
-use super::Request;
+use super::{Request, semantics};
 use crate::world::{self, Packages, Unread};
 use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
 use urdf2fmu_core::pattern::Pattern;
 use urdf2fmu_core::settings::Settings;
-use urdf2fmu_core::urdf::{self, Description, ReadOptions};
+use urdf2fmu_core::urdf::{Description, ReadOptions};
 use urdf2fmu_core::variables;
 
 /// Errors of the assembly that are about names or about the settings alone, whatever else is wrong.
@@ -65,7 +65,7 @@ pub(super) fn beside_robot(
     settings: &Settings,
     options: &ReadOptions,
 ) -> Vec<Diagnostic> {
-    let read = world::rest(&request.urdf, &request.xacro_arguments, options);
+    let read = world::rest(&request.urdf, request.arguments_of_robot(), options);
     let mut settings = settings.clone();
     let (guests, mut list) = around(&mut settings, &request.packages);
     list.retain(|finding| is_error(finding) || finding.code == "U068");
@@ -73,9 +73,8 @@ pub(super) fn beside_robot(
         return list;
     };
     if let Some(path) = &request.srdf {
-        let state = request.initial_state.as_deref();
-        let semantics = urdf::read_srdf(path, state, &description);
-        list.extend(semantics.err().into_iter().flatten().filter(is_error));
+        let read = semantics::read(path, request, options, &description, &mut Vec::new());
+        list.extend(read.err().into_iter().flatten().filter(is_error));
     }
     // Shapes may be left out.
     let of_shapes = |finding: &Diagnostic| finding.message.contains("no collision shape");

@@ -12,10 +12,15 @@ use tempfile::TempDir;
 /// Expanded texts larger than this, in bytes, are refused: the reader's own limit.
 const LARGEST: u64 = 64 << 20;
 
-/// The URDF's name: `robot.urdf` of `robot.urdf.xacro` and of `robot.xacro`.
+/// The name of what is expanded: `robot.urdf` of `robot.urdf.xacro` and of `robot.xacro`,
+/// `robot.srdf` of `robot.srdf.xacro`.
 pub fn urdf_name(path: &str) -> String {
+    if path.to_lowercase().ends_with(".srdf") {
+        return path.to_owned();
+    }
     let stem = path.rsplit_once('.').map_or(path, |(stem, _)| stem);
-    if stem.to_lowercase().ends_with(".urdf") {
+    let whole = |ending: &str| stem.to_lowercase().ends_with(ending);
+    if whole(".urdf") || whole(".srdf") {
         stem.to_owned()
     } else {
         format!("{stem}.urdf")

@@ -98,7 +98,7 @@ pub fn is_xacro(path: &Path) -> bool {
         return true;
     }
     let small = std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() <= LARGEST);
-    if !small || !named("urdf") && !named("xml") {
+    if !small || !["urdf", "srdf", "xml"].into_iter().any(named) {
         return false;
     }
     defines(&xml_replaced(std::fs::read(path).unwrap_or_default()))

@@ -4,6 +4,8 @@ use super::*;
 fn a_file_expanded_from_xacro_gets_a_name_that_ends_in_urdf() {
     assert_eq!(urdf_name("a/rover.urdf.xacro"), "a/rover.urdf");
     assert_eq!(urdf_name("a/rover.xacro"), "a/rover.urdf");
+    assert_eq!(urdf_name("a/rover.srdf.xacro"), "a/rover.srdf");
+    assert_eq!(urdf_name("a/rover.srdf"), "a/rover.srdf");
     assert!(is_xacro(Path::new("a.XACRO")) && !is_xacro(Path::new("xacro.urdf")));
 }
 
