@@ -43,7 +43,21 @@ fn other_kind(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     if begins(&[0x1f, 0x8b]) || begins(b"PK\x03\x04") {
         return Some(("the file is compressed", "unpack it first"));
     }
+    if begins(b"ISO-10303-21") {
+        return Some((
+            "the file is a STEP file, not a URDF",
+            "let the program for design export a URDF, and its meshes as STL",
+        ));
+    }
+    if begins(b"#usda") || begins(b"PXR-USDC") {
+        return Some(("the file is in USD, not a URDF", "convert it to URDF first"));
+    }
     let first = &bytes[..bytes.len().min(200)];
+    // Encodings of text use a few of them.
+    let control = |byte: &&u8| **byte < 32 && !b"\t\n\x0c\r\x1a\x1b\0".contains(byte);
+    if first.iter().filter(control).count() > 2 {
+        return Some(("the file is binary, not a URDF", "name the URDF file"));
+    }
     let text = String::from_utf8_lossy(first)
         .trim_start()
         .to_ascii_lowercase();

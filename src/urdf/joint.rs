@@ -125,6 +125,7 @@ fn axis(scope: &mut Scope, node: Node, kind: JointKind) -> Vec3 {
         return Vec3::x();
     };
     scope.known_attributes(child, &["xyz", "rpy"]);
+    scope.leaf(child, "xyz");
     let Some(attribute) = child.attribute("xyz") else {
         let message = "<axis> has no attribute 'xyz': \"1 0 0\" is used, as without <axis>";
         scope.warning("U015", child.tag_at(), message, "write xyz=\"0 0 1\"");
@@ -311,6 +312,7 @@ fn dynamics(scope: &mut Scope, node: Node) -> [f64; 3] {
         return [0.0; 3];
     };
     scope.known_attributes(child, &DYNAMICS);
+    scope.leaf(child, "damping");
     DYNAMICS.map(|name| not_negative(scope, child, name).unwrap_or(0.0))
 }
 

@@ -395,9 +395,19 @@ fn report_cycle(
         .child
         .as_ref()
         .map_or_else(|| joint.node.tag_at(), |c| c.at.clone());
-    let message = format!("the joints {} form a cycle", names.join(", "));
-    let help =
-        "a URDF is a tree with one root: remove one of them, or turn its parent and child round";
+    let (message, help) = match names[..] {
+        [name] => (
+            format!(
+                "joint '{name}' joins link '{}' to itself",
+                robot.links[link].name
+            ),
+            "name another link as its parent or as its child",
+        ),
+        _ => (
+            format!("the joints {} form a cycle", names.join(", ")),
+            "a URDF is a tree with one root: remove one of them, or turn its parent and child round",
+        ),
+    };
     scope.report.error("U012", at, message, help);
     true
 }

@@ -258,6 +258,7 @@ impl<'r, 'a> Scope<'r, 'a> {
             return (Vec3::zeros(), Vec3::zeros());
         };
         self.known_attributes(origin, &["xyz", "rpy", "quat_xyzw"]);
+        self.leaf(origin, "xyz");
         let xyz = self.vector::<3>(origin, "xyz").unwrap_or_default();
         let mut rpy = Vec3::from(self.vector::<3>(origin, "rpy").unwrap_or_default());
         for (name, vector) in [("xyz", xyz), ("rpy", rpy.into())] {
@@ -317,6 +318,12 @@ impl<'r, 'a> Scope<'r, 'a> {
             if known.contains(&name) {
                 continue;
             }
+            if child.local_name() == "include" && name != "include" && !name.starts_with("xacro:") {
+                let message = format!("<{name}> is not followed: what it includes is missing here");
+                let help = "put the file's contents in its place, as xmllint --xinclude does";
+                self.warning("U022", child.name_at(), &message, help);
+                continue;
+            }
             if foreign.contains(&name) || name.contains(':') {
                 self.ignore(child);
                 continue;
@@ -329,6 +336,20 @@ impl<'r, 'a> Scope<'r, 'a> {
                 did_you_mean(name, known.iter().copied())
             };
             self.warning("U019", child.name_at(), &message, help);
+        }
+    }
+
+    /// Warns of what stands within an element all of whose numbers are attributes.
+    pub(super) fn leaf(&mut self, node: Node, attribute: &str) {
+        self.known_children(node, &[], &[]);
+        let content = node.content();
+        let content = content.trim();
+        if node.children().next().is_none() && !content.is_empty() {
+            let name = node.name();
+            let shown: String = content.chars().take(40).collect();
+            let message = format!("what stands in <{name}> is ignored: '{shown}'");
+            let help = format!("write <{name} {attribute}=\"{shown}\"/>");
+            self.warning("U019", node.content_at(), &message, help);
         }
     }
 
@@ -382,6 +403,9 @@ fn without_optenv(value: &str) -> (Cow<'_, str>, bool) {
 /// Words of an attribute that a finding names.
 const MOST_WORDS: usize = 5;
 
+/// Units as people write them behind a number.
+const UNITS: [&str; 8] = ["mm", "cm", "m", "deg", "rad", "g", "kg", "°"];
+
 /// Why a word is not taken as a number.
 #[derive(Debug, PartialEq)]
 struct Unread {
@@ -414,7 +438,12 @@ fn parse(word: &str) -> Result<f64, Unread> {
         Err(_) if word.contains("${") || word.contains("$(") => no_number(
             "this is xacro code: give the file a name that ends in .xacro, and it is expanded",
         ),
-        Err(_) if number_with_letters(word) => {
+        Err(_) if word.to_ascii_lowercase().contains("pi") => no_number(
+            "write its value, such as 1.5708 for pi/2; in a file whose name ends in .xacro, ${pi/2} \
+             is expanded",
+        ),
+        // Of `30 deg` the second word.
+        Err(_) if number_with_letters(word) || UNITS.contains(&word) => {
             no_number("write the number alone: lengths are in m, angles in rad, masses in kg")
         }
         Err(_) => no_number("write a decimal number such as 0.5 or 1e-3"),

@@ -518,12 +518,13 @@ impl<'t> Builder<'t> {
                 Err(error) => {
                     let (offset, what) = attribute_problem(&error);
                     let from = (name_start + offset).min(at.end);
-                    report.error(
-                        "U003",
-                        from..from + 1,
-                        format!("not XML: {what}"),
-                        "an attribute is written name=\"value\", once per element",
-                    );
+                    let typeset = |c: char| "“”„‟«»‘’‚".contains(c);
+                    let help = if self.text[at.clone()].contains(typeset) {
+                        "XML takes \" and ', not the quotation marks of texts, such as “ and ”"
+                    } else {
+                        "an attribute is written name=\"value\", once per element"
+                    };
+                    report.error("U003", from..from + 1, format!("not XML: {what}"), help);
                     // A quotation mark that is missing takes in the tags behind it.
                     let behind = name_start..at.end;
                     let next = self.text[behind].find('<').map(|next| name_start + next);
