@@ -171,6 +171,9 @@ fn local_part(uri: &[u8], rest: &[u8], windows: bool) -> Result<Vec<u8>, UriErro
         Ok(after.to_vec())
     } else if host.eq_ignore_ascii_case(b"localhost") || host == b"127.0.0.1" {
         Ok(path.to_vec())
+    } else if is_rooted(&percent_decoded(after)) {
+        // file://%2Ftmp%2Ffmu, all of the path percent-encoded.
+        Ok(after.to_vec())
     } else if windows {
         Ok([b"//", after].concat())
     } else {
@@ -179,6 +182,11 @@ fn local_part(uri: &[u8], rest: &[u8], windows: bool) -> Result<Vec<u8>, UriErro
             host: text(host),
         })
     }
+}
+
+/// Whether a path begins at the top of a file system.
+fn is_rooted(path: &[u8]) -> bool {
+    path.starts_with(b"/") || is_drive(path)
 }
 
 /// `C:` or `C|` at the start.
@@ -286,6 +294,14 @@ mod tests {
     fn encoded_and_plain_characters_are_both_understood() {
         assert_eq!(read("file:///a%20b/caf%C3%A9/%23", false)[0], "/a b/café/#");
         assert_eq!(read("file:///a b/café/#?", false), ["/a b/café/#?"]);
+    }
+
+    #[test]
+    fn a_path_whose_separators_are_encoded_is_no_host() {
+        assert_eq!(read("file://%2Ftmp%2Ffmu", false)[0], "/tmp/fmu");
+        assert_eq!(read("file://%2FC%3A%2Ffmu", true)[0], "C:/fmu");
+        assert_eq!(read("file://C%3A%5Cfmu", true)[0], "C:\\fmu");
+        assert!(paths(b"file://server%2Fb", false).is_err());
     }
 
     #[test]
