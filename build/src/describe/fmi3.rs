@@ -190,7 +190,8 @@ fn variable(
         Slot::Parameter(_) => element = element.with_attribute(("initial", "exact")),
         Slot::Output(_) => element = element.with_attribute(("initial", "calculated")),
     }
-    if variability(first) == "continuous" && model.outputs.interface.steps() {
+    let within = rows.iter().all(|row| row.within_steps());
+    if within && variability(first) == "continuous" && model.outputs.interface.steps() {
         element = element.with_attribute(("intermediateUpdate", "true"));
     }
     if first.kind == Kind::Real && rows.iter().all(|row| row.unit == first.unit) {

@@ -10,7 +10,7 @@ use crate::units;
 use model_description::{Element, problems};
 use urdf2fmu_core::model::{
     ActuatorId, Combination, ContactDefaults, Initial, Joint, JointId, JointKind, LinkId, Mimic,
-    OutputSelection, SolverDefaults, World,
+    OutputSelection, SolverDefaults, StateId, World,
 };
 use urdf2fmu_core::settings::FmuSettings;
 use urdf2fmu_core::simulation::{InputSlot, OutputSlot, ParameterSlot};
@@ -322,7 +322,10 @@ fn a_table_of_variables_that_fmi_forbids_is_refused() {
 
 /// The table with rows 2 and 3 as a vector, in FMI 3.
 fn xml_of_fmi_3() -> Element {
-    let mut table = table();
+    xml_of_fmi_3_with(table())
+}
+
+fn xml_of_fmi_3_with(mut table: Vec<Variable>) -> Element {
     for (index, row) in (0..).zip(&mut table[1..3]) {
         row.part = Some(Part {
             whole: "v".to_owned(),
@@ -380,4 +383,25 @@ fn a_vector_of_fmi_3_has_dimension_elements_and_the_dependencies_of_all() {
         ("InitialUnknown", "4", None),
     ];
     assert_eq!(unknowns, expected);
+}
+
+/// The library takes inputs and outputs there: a state of Model Exchange that is no output is none.
+#[test]
+fn what_is_local_is_not_offered_within_steps() {
+    let mut table = table();
+    let state = Slot::Output(OutputSlot::State(StateId(0)));
+    table.push(row(8, state, Kind::Real, Unit::Meter, None));
+    let root = xml_of_fmi_3_with(table);
+    let of = |name| {
+        let variables = root.list("ModelVariables");
+        let found = variables.iter().find(|v| v.get("name") == Some(name));
+        let attribute = |key| found.and_then(|v| v.get(key)).map(str::to_owned);
+        (attribute("causality"), attribute("intermediateUpdate"))
+    };
+    let expected = |causality: &str, update: Option<&str>| {
+        (Some(causality.to_owned()), update.map(str::to_owned))
+    };
+    assert_eq!(of("v8"), expected("local", None));
+    assert_eq!(of("v0"), expected("input", Some("true")));
+    assert_eq!(of("v3"), expected("output", Some("true")));
 }
