@@ -53,11 +53,43 @@ int fmi3GetContinuousStateDerivatives(I i, double *v, size_t n) { v[0] = 1; retu
 int fmi3GetNominalsOfContinuousStates(I i, double *v, size_t n) { v[0] = 1; return 0; }
 "#;
 
+/// One of FMI 2.0 that takes steps of any length, and ends at 0.3125 s in the way of that version:
+/// the step is discarded, and the status tells why and how far it came.
+const SOURCE_OF_FMI_2: &str = r#"
+#include <stddef.h>
+#include <stdio.h>
+typedef void *I;
+typedef const unsigned *R;
+static double now;
+I fmi2Instantiate(const char *n, int k, const char *g, const char *r, const void *f, int v, int l)
+{ return &now; }
+void fmi2FreeInstance(I i) {}
+int fmi2SetupExperiment(I i, int t, double e, double start, int s, double stop)
+{ now = start; return 0; }
+int fmi2EnterInitializationMode(I i) { return 0; }
+int fmi2ExitInitializationMode(I i) { return 0; }
+int fmi2Reset(I i) { return 0; }
+int fmi2Terminate(I i)
+{ FILE *f = fopen(TOLD, "w"); if (!f) return 3; fputs("ended", f); fclose(f); return 0; }
+int fmi2GetReal(I i, R r, size_t n, double *v)
+{ for (size_t k = 0; k < n; k++) v[k] = r[k] == 2 ? 1 : now; return 0; }
+int fmi2GetInteger(I i, R r, size_t n, int *v) { return 0; }
+int fmi2GetBoolean(I i, R r, size_t n, int *v) { return 0; }
+int fmi2SetReal(I i, R r, size_t n, const double *v) { return 0; }
+int fmi2SetInteger(I i, R r, size_t n, const int *v) { return 0; }
+int fmi2SetBoolean(I i, R r, size_t n, const int *v) { return 0; }
+int fmi2SetRealInputDerivatives(I i, R r, size_t n, const int *o, const double *v) { return 0; }
+int fmi2DoStep(I i, double t, double h, int s)
+{ now = t + h < 0.3125 ? t + h : 0.3125; return now < 0.3125 ? 0 : 2; }
+int fmi2GetRealStatus(I i, int kind, double *v) { *v = now; return kind == 2 ? 0 : 2; }
+int fmi2GetBooleanStatus(I i, int kind, int *v) { *v = now >= 0.3125; return kind == 3 ? 0 : 2; }
+"#;
+
 /// The FMU in `folder`, and the file that tells its end; none without a compiler.
-fn foreign(folder: &Path, interface: &str) -> Option<(PathBuf, PathBuf)> {
+fn foreign(folder: &Path, version: u32, interface: &str) -> Option<(PathBuf, PathBuf)> {
     let [source, library, told, fmu] =
         ["foreign.c", "foreign.so", "told", "foreign.fmu"].map(|name| folder.join(name));
-    fs::write(&source, SOURCE).unwrap();
+    fs::write(&source, [SOURCE_OF_FMI_2, SOURCE][version as usize - 2]).unwrap();
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     let done = Command::new(compiler)
         .args(["-shared", "-fPIC", "-o"])
@@ -67,18 +99,33 @@ fn foreign(folder: &Path, interface: &str) -> Option<(PathBuf, PathBuf)> {
         .output()
         .ok()?;
     assert!(done.status.success(), "{done:?}");
+    let (identity, variables, platform) = match version {
+        2 => (
+            "guid",
+            "<ScalarVariable name='x' valueReference='1' causality='output' initial='exact'>\
+             <Real start='0'/></ScalarVariable></ModelVariables><ModelStructure>"
+                .to_owned(),
+            "linux64".to_owned(),
+        ),
+        _ => (
+            "instantiationToken",
+            "<Float64 name='time' valueReference='0' causality='independent'/>\
+             <Float64 name='x' valueReference='1' causality='output' initial='exact' start='0'/>\
+             <Float64 name='der(x)' valueReference='2' causality='local' derivative='1'/>\
+             </ModelVariables><ModelStructure><Output valueReference='1'/>\
+             <ContinuousStateDerivative valueReference='2'/>"
+                .to_owned(),
+            format!("{}-linux", std::env::consts::ARCH),
+        ),
+    };
     let description = format!(
-        "<fmiModelDescription fmiVersion='3.0' modelName='foreign' instantiationToken='t'>\
+        "<fmiModelDescription fmiVersion='{version}.0' modelName='foreign' {identity}='t'>\
          <{interface} modelIdentifier='foreign' canHandleVariableCommunicationStepSize='true'/>\
          <DefaultExperiment startTime='0' stopTime='1' stepSize='0.125'/><ModelVariables>\
-         <Float64 name='time' valueReference='0' causality='independent'/>\
-         <Float64 name='x' valueReference='1' causality='output' initial='exact' start='0'/>\
-         <Float64 name='der(x)' valueReference='2' causality='local' derivative='1'/>\
-         </ModelVariables><ModelStructure><Output valueReference='1'/>\
-         <ContinuousStateDerivative valueReference='2'/></ModelStructure></fmiModelDescription>"
+         {variables}</ModelStructure></fmiModelDescription>"
     );
     let mut zip = zip::ZipWriter::new(fs::File::create(&fmu).unwrap());
-    let place = format!("binaries/{}-linux/foreign.so", std::env::consts::ARCH);
+    let place = format!("binaries/{platform}/foreign.so");
     let library = fs::read(library).unwrap();
     for (name, content) in [
         ("modelDescription.xml", description.as_bytes()),
@@ -94,14 +141,15 @@ fn foreign(folder: &Path, interface: &str) -> Option<(PathBuf, PathBuf)> {
 
 #[test]
 fn an_fmu_that_asks_for_the_end_is_terminated_and_its_last_values_are_written() {
-    for (interface, times) in [
+    for (version, interface, times) in [
         // It goes on where it has returned early, to the end of the step.
-        ("CoSimulation", [0.0, 0.125, 0.25, 0.3125]),
+        (3, "CoSimulation", [0.0, 0.125, 0.25, 0.3125]),
         // Its integrator goes from one output to the next.
-        ("ModelExchange", [0.0, 0.125, 0.25, 0.375]),
+        (3, "ModelExchange", [0.0, 0.125, 0.25, 0.375]),
+        (2, "CoSimulation", [0.0, 0.125, 0.25, 0.3125]),
     ] {
         let folder = tempfile::tempdir().unwrap();
-        let Some((fmu, told)) = foreign(folder.path(), interface) else {
+        let Some((fmu, told)) = foreign(folder.path(), version, interface) else {
             continue;
         };
         let table = folder.path().join("out.csv");
@@ -115,11 +163,18 @@ fn an_fmu_that_asks_for_the_end_is_terminated_and_its_last_values_are_written() 
             numbers.collect::<Vec<_>>()
         });
         let rows: Vec<Vec<f64>> = rows.collect();
-        assert_eq!(rows.len(), 4, "{interface}: {written}");
+        assert_eq!(rows.len(), 4, "{version} {interface}: {written}");
         for (row, time) in rows.iter().zip(times) {
             let near = |x: f64| (x - time).abs() < 1e-9;
-            assert!(near(row[0]) && near(row[1]), "{interface}: {written}");
+            assert!(
+                near(row[0]) && near(row[1]),
+                "{version} {interface}: {written}"
+            );
         }
-        assert_eq!(fs::read_to_string(told).unwrap(), "ended", "{interface}");
+        assert_eq!(
+            fs::read_to_string(told).unwrap(),
+            "ended",
+            "{version} {interface}"
+        );
     }
 }

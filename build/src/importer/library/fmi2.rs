@@ -53,6 +53,7 @@ functions! {
         fn(Component, *const c_uint, usize, *const c_int, *const f64) -> c_int;
     do_step: "fmi2DoStep", fn(Component, f64, f64, c_int) -> c_int;
     real_status: "fmi2GetRealStatus", fn(Component, c_int, *mut f64) -> c_int;
+    boolean_status: "fmi2GetBooleanStatus", fn(Component, c_int, *mut c_int) -> c_int;
 }
 
 functions! {
@@ -91,6 +92,8 @@ enum Own {
 const DISCARD: c_int = 2;
 /// `fmi2LastSuccessfulTime`
 const LAST_SUCCESSFUL_TIME: c_int = 2;
+/// `fmi2Terminated`
+const TERMINATED: c_int = 3;
 
 /// An instance of an FMU, with its library.
 pub struct Slave {
@@ -223,6 +226,7 @@ impl Slave {
         let Stepping {
             do_step,
             real_status,
+            boolean_status,
             ..
         } = self.stepping("fmi2DoStep")?;
         // SAFETY: see `setup`.
@@ -230,14 +234,21 @@ impl Slave {
         if status != DISCARD {
             return self.check("fmi2DoStep", status).map(|()| Stepped::Done);
         }
-        let mut reached = time;
-        // SAFETY: as above; the place lives during the call.
-        let status = unsafe { real_status(self.component, LAST_SUCCESSFUL_TIME, &raw mut reached) };
-        Ok(Stepped::Discarded(if status <= LAST_GOOD {
-            reached
+        // One that cannot tell has not moved, and does not end the simulation.
+        let (mut reached, mut over) = (time, 0);
+        // SAFETY: as above; the places live during the calls.
+        let [known, told] = unsafe {
+            [
+                real_status(self.component, LAST_SUCCESSFUL_TIME, &raw mut reached),
+                boolean_status(self.component, TERMINATED, &raw mut over),
+            ]
+        };
+        let reached = if known <= LAST_GOOD { reached } else { time };
+        Ok(if told <= LAST_GOOD && over != 0 {
+            Stepped::Over(reached)
         } else {
-            time
-        }))
+            Stepped::Discarded(reached)
+        })
     }
 
     /// fmi2GetReal; `values` is as long as `references`.
