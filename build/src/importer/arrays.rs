@@ -3,6 +3,7 @@
 //! An FMU of this program names the elements in an annotation of the model: they have the names of
 //! FMI 2's variables. Those of other FMUs are numbered from 1, `name[2]` or `name[1,2]`.
 
+use super::attributes::DescriptionError;
 use super::library::Element;
 use super::variable::{Kind, Variable};
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,8 +14,19 @@ const MOST: u32 = 1_000_000;
 /// A variable of FMI 3.
 pub(super) struct Array {
     pub variable: Variable,
+    /// What a structural parameter is at its start: the size of arrays.
+    pub start: Option<u32>,
     /// Empty for a scalar.
-    pub shape: Vec<u32>,
+    pub shape: Vec<Size>,
+}
+
+/// Size of a dimension.
+#[derive(Clone, Copy)]
+pub(super) enum Size {
+    /// A number.
+    Fixed(u32),
+    /// That of a structural parameter, by its value reference.
+    Of(u32),
 }
 
 /// All of them, while they are read.
@@ -61,26 +73,32 @@ impl Arrays {
         }
     }
 
-    /// A dimension of the last variable; one that a structural parameter gives is not known here,
-    /// and the variable is not simulated.
-    pub fn dimension(&mut self, start: Option<String>) {
-        let Some(array) = self.list.last_mut().filter(|_| self.inside) else {
-            return;
-        };
-        match start.and_then(|start| start.trim().parse().ok()) {
-            Some(size) => array.shape.push(size),
-            None => array.variable.kind = Kind::Text,
+    /// A dimension of the last variable.
+    pub fn dimension(&mut self, size: Size) {
+        if let Some(array) = self.list.last_mut() {
+            array.shape.push(size);
         }
     }
 
     /// Each element as a variable, and which one it is. A name is listed once: that of a scalar,
     /// else that of the first array.
-    pub fn elements(self) -> (Vec<Element>, Vec<Variable>) {
+    ///
+    /// # Errors
+    /// [`DescriptionError`] for the size of what is no structural parameter.
+    pub fn elements(self) -> Result<(Vec<Element>, Vec<Variable>), DescriptionError> {
+        let parameters = self.list.iter();
+        let parameters = parameters.filter_map(|a| Some((a.variable.value_reference, a.start?)));
+        let starts: BTreeMap<u32, u32> = parameters.collect();
         let scalars = self.list.iter().filter(|array| array.shape.is_empty());
         let mut names: BTreeSet<String> = scalars.map(|a| a.variable.name.clone()).collect();
         let (mut elements, mut variables) = (Vec::new(), Vec::new());
         for array in self.list {
-            let mut sizes = array.shape.iter();
+            let sizes = array.shape.iter().map(|size| match size {
+                Size::Fixed(size) => Ok(*size),
+                Size::Of(parameter) => starts.get(parameter).copied().ok_or_else(no_size),
+            });
+            let shape = sizes.collect::<Result<Vec<u32>, _>>()?;
+            let mut sizes = shape.iter();
             let count = sizes.try_fold(1_u32, |count, size| count.checked_mul(*size));
             let count = count.unwrap_or(u32::MAX);
             let listed = u32::try_from(elements.len()).unwrap_or(u32::MAX);
@@ -91,7 +109,7 @@ impl Arrays {
                     array.variable.name.clone()
                 } else {
                     let reference = &array.variable.value_reference;
-                    array.name(index, self.names.get(reference))
+                    array.name(index, &shape, self.names.get(reference))
                 };
                 if !array.shape.is_empty() && !names.insert(name.clone()) {
                     continue;
@@ -113,18 +131,25 @@ impl Arrays {
                 });
             }
         }
-        (elements, variables)
+        Ok((elements, variables))
+    }
+}
+
+fn no_size() -> DescriptionError {
+    DescriptionError::Attribute {
+        element: "Dimension".to_owned(),
+        attribute: "valueReference",
     }
 }
 
 impl Array {
-    fn name(&self, index: u32, names: Option<&Vec<String>>) -> String {
+    fn name(&self, index: u32, shape: &[u32], names: Option<&Vec<String>>) -> String {
         if let Some(name) = names.and_then(|names| names.get(index as usize)) {
             return name.clone();
         }
         let mut rest = index;
         let mut numbers = Vec::new();
-        for size in self.shape.iter().rev() {
+        for size in shape.iter().rev() {
             numbers.push((rest % size + 1).to_string());
             rest /= size;
         }

@@ -1,12 +1,14 @@
 //! What an importer needs of modelDescription.xml.
 
-use super::arrays::{Array, Arrays, is_type};
+use super::arrays::{Array, Arrays, Size, is_type};
+use super::attributes::{Attributes, DescriptionError};
 use super::library::{Element, Interface};
 use super::states::States;
 use super::variable::{Kind, Variable};
 use crate::describe::ELEMENTS;
-use quick_xml::events::{BytesStart, Event};
-use quick_xml::{Reader, XmlVersion};
+use quick_xml::Reader;
+use quick_xml::events::Event;
+use urdf2fmu_core::encoding::xml_replaced;
 use urdf2fmu_core::settings::FmiVersion;
 
 /// What an importer needs to know of an FMU.
@@ -40,46 +42,17 @@ pub struct Description {
     pub elements: Vec<Element>,
 }
 
-/// Why a description cannot be used.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum DescriptionError {
-    /// No XML.
-    #[error("modelDescription.xml cannot be read: {0}")]
-    Xml(String),
-    /// Another version of the standard.
-    #[error("the FMU is for FMI {found}; only FMI 2.0 and 3.0 can be simulated here")]
-    Version {
-        /// As written.
-        found: String,
-    },
-    /// Neither of the two.
-    #[error(
-        "the FMU cannot be simulated here: modelDescription.xml has neither <CoSimulation> nor \
-         <ModelExchange>"
-    )]
-    Interface,
-    /// Model Exchange with state events.
-    #[error(
-        "the FMU has {count} event indicators: Model Exchange is simulated here without state events; ask its \
-         exporter for co-simulation"
-    )]
-    Indicators {
-        /// How many.
-        count: u32,
-    },
-    /// An attribute.
-    #[error("modelDescription.xml: <{element}> has no valid '{attribute}'")]
-    Attribute {
-        /// Of which element.
-        element: String,
-        /// Which.
-        attribute: &'static str,
-    },
-}
-
 impl Description {
-    /// Reads modelDescription.xml.
+    /// Reads modelDescription.xml in UTF-8, UTF-16 or the encoding that it declares; bytes that are
+    /// no letters become U+FFFD.
+    ///
+    /// # Errors
+    /// As [`Self::parse`].
+    pub fn from_bytes(bytes: Vec<u8>) -> Result<Self, DescriptionError> {
+        Self::parse(&xml_replaced(bytes))
+    }
+
+    /// Reads the text of modelDescription.xml.
     ///
     /// # Errors
     /// [`DescriptionError`] if it is not that of an FMI 2.0 or 3.0 FMU that can be simulated here.
@@ -137,7 +110,7 @@ impl Description {
                 }
                 "ContinuousStateDerivative" => states.rates.push(attributes.reference()?),
                 "EventIndicator" => states.indicators += 1,
-                "Dimension" => arrays.dimension(attributes.text("start")),
+                "Dimension" if arrays.inside => arrays.dimension(size(&attributes)?),
                 "Annotation" => {
                     arrays.named = attributes.text("type").as_deref() == Some(ELEMENTS);
                 }
@@ -174,7 +147,7 @@ impl Description {
         }
         (description.elements, description.variables) = match description.fmi {
             FmiVersion::V2 => (Vec::new(), description.variables),
-            FmiVersion::V3 => arrays.elements(),
+            FmiVersion::V3 => arrays.elements()?,
         };
         if description.guid.is_empty() {
             let message = "it has no <fmiModelDescription>".to_owned();
@@ -275,66 +248,19 @@ fn array(name: &str, attributes: &Attributes) -> Result<Array, DescriptionError>
             initial: or("initial", ""),
             unit: or("unit", ""),
         },
+        start: match attributes.text("causality").as_deref() {
+            Some("structuralParameter") => attributes.whole("start").ok(),
+            _ => None,
+        },
         shape: Vec::new(),
     })
 }
 
-/// Attributes of one element.
-struct Attributes {
-    element: String,
-    pairs: Vec<(String, String)>,
-}
-
-impl Attributes {
-    fn read(element: &BytesStart, name: &str) -> Result<Self, DescriptionError> {
-        let mut pairs = Vec::new();
-        for attribute in element.attributes() {
-            let wrong = |error: String| DescriptionError::Xml(format!("in <{name}>: {error}"));
-            let attribute = attribute.map_err(|error| wrong(error.to_string()))?;
-            let value = attribute
-                .normalized_value(XmlVersion::Implicit1_0)
-                .map_err(|error| wrong(error.to_string()))?;
-            let key = attribute.key.as_ref().to_owned();
-            pairs.push((key, value.into_owned()));
-        }
-        Ok(Self {
-            element: name.to_owned(),
-            pairs,
-        })
-    }
-
-    fn text(&self, key: &str) -> Option<String> {
-        let pair = self.pairs.iter().find(|(name, _)| name == key);
-        pair.map(|(_, value)| value.clone())
-    }
-
-    fn bad(&self, attribute: &'static str) -> DescriptionError {
-        DescriptionError::Attribute {
-            element: self.element.clone(),
-            attribute,
-        }
-    }
-
-    fn required(&self, key: &'static str) -> Result<String, DescriptionError> {
-        self.text(key).ok_or_else(|| self.bad(key))
-    }
-
-    fn reference(&self) -> Result<u32, DescriptionError> {
-        self.whole("valueReference")
-    }
-
-    fn whole(&self, key: &'static str) -> Result<u32, DescriptionError> {
-        let text = self.required(key)?;
-        text.parse().map_err(|_| self.bad(key))
-    }
-
-    fn flag(&self, key: &str) -> bool {
-        matches!(self.text(key).as_deref(), Some("true" | "1"))
-    }
-
-    fn number(&self, key: &'static str) -> Result<Option<f64>, DescriptionError> {
-        let parse = |text: String| text.trim().parse().map_err(|_| self.bad(key));
-        self.text(key).map(parse).transpose()
+/// What a `<Dimension>` says.
+fn size(attributes: &Attributes) -> Result<Size, DescriptionError> {
+    match attributes.text("valueReference") {
+        Some(_) => attributes.reference().map(Size::Of),
+        None => attributes.whole("start").map(Size::Fixed),
     }
 }
 
@@ -436,7 +362,9 @@ mod tests {
       <Dimension start="2"/><Dimension start="2"/></Float64>
     <Float64 name="both" valueReference="5" causality="output"><Dimension start="2"/></Float64>
     <Boolean name="on" valueReference="8" causality="output"/>
-    <Float64 name="unknown" valueReference="4" causality="output"><Dimension valueReference="1"/></Float64>
+    <Float64 name="free" valueReference="4" causality="output"><Dimension valueReference="1"/>
+      <Dimension start="2"/></Float64>
+    <UInt64 name="n" valueReference="1" causality="structuralParameter" variability="fixed" start="2"/>
     <String name="s" valueReference="2" causality="output"/>
   </ModelVariables>
   <ModelStructure><Output valueReference="7"/></ModelStructure>
@@ -473,10 +401,60 @@ mod tests {
                 ("m[2,2]", Kind::Real, 3, 3),
                 // Names of "both" stand for others.
                 ("on", Kind::Boolean, 8, 0),
-                ("unknown", Kind::Text, 4, 0),
+                // Of the size that the structural parameter has at its start.
+                ("free[1,1]", Kind::Real, 4, 0),
+                ("free[1,2]", Kind::Real, 4, 1),
+                ("free[2,1]", Kind::Real, 4, 2),
+                ("free[2,2]", Kind::Real, 4, 3),
+                ("n", Kind::Text, 1, 0),
                 ("s", Kind::Text, 2, 0),
             ]
         );
         assert_eq!(description.guid, "t");
+        // As many states as the structural parameter says.
+        let exchange = TEXT_OF_FMI_3
+            .replace("CoSimulation", "ModelExchange")
+            .replace(
+                "<Output ",
+                "<ContinuousStateDerivative valueReference=\"8\"/><Output ",
+            )
+            .replace(
+                "<Boolean name=\"on\"",
+                "<Float64 derivative=\"4\" name=\"on\"",
+            );
+        let description = Description::parse(&exchange).expect("Model Exchange of FMI 3");
+        assert_eq!(description.states.len(), 4);
+    }
+
+    #[test]
+    fn a_size_that_is_not_told_is_refused() {
+        for (from, to) in [
+            (
+                "name=\"n\" valueReference=\"1\"",
+                "name=\"n\" valueReference=\"11\"",
+            ),
+            ("structuralParameter", "parameter"),
+            (
+                "<Dimension start=\"2\"/></Float64>",
+                "<Dimension/></Float64>",
+            ),
+        ] {
+            let text = TEXT_OF_FMI_3.replace(from, to);
+            assert_ne!(text, TEXT_OF_FMI_3);
+            let refused = Description::parse(&text).expect_err("no size").to_string();
+            assert!(refused.contains("<Dimension>"), "{refused}");
+        }
+    }
+
+    #[test]
+    fn other_encodings_are_read() {
+        let text = TEXT
+            .replace("?>", " encoding='UTF-16'?>")
+            .replace("modelName=\"m\"", "modelName=\"é\"");
+        let wide = |order: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(order).collect();
+        for bytes in [wide(u16::to_le_bytes), wide(u16::to_be_bytes)] {
+            let description = Description::from_bytes(bytes).expect("UTF-16");
+            assert_eq!(description.variables.len(), 2);
+        }
     }
 }

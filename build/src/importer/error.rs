@@ -1,7 +1,7 @@
 //! Reasons why a simulation does not start, or does not reach its end.
 
+use super::attributes::DescriptionError;
 use super::csv::CsvError;
-use super::description::DescriptionError;
 use super::library::LibraryError;
 use std::path::PathBuf;
 use urdf2fmu_core::diagnostic::words::or_meant;

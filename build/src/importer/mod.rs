@@ -7,6 +7,7 @@
 //! | module | holds |
 //! |---|---|
 //! | `variable` | a variable |
+//! | `attributes` | attributes of the elements of modelDescription.xml |
 //! | `arrays` | those of FMI 3 as lists of elements |
 //! | `description` | what modelDescription.xml says |
 //! | `library` | the C functions: the only unsafe code of this package |
@@ -27,6 +28,7 @@
 
 mod advice;
 mod arrays;
+mod attributes;
 pub mod csv;
 pub mod description;
 pub mod error;
