@@ -62,6 +62,7 @@
 
 #[cfg(feature = "urdf")]
 pub mod assemble;
+pub mod clock;
 pub mod closure;
 pub mod continuous;
 #[cfg(feature = "urdf")]

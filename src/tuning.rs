@@ -634,9 +634,9 @@ pub const SETTLING_STEPS: usize = 12;
 /// cancel: fingers that press from two sides with forces that differ by round-off have no common
 /// normal (`fingers_on_two_sides_of_a_cube_have_no_common_normal`).
 pub const OPPOSED: f64 = 1e-6;
-/// By how much of the time between two samples a sensor's sample may be early: times of
-/// communication points are sums, whose round-off would put it off to the next one. Test:
-/// `a_sensor_takes_one_sample_at_each_of_its_times`.
+/// By how much of the time between two samples, beside the round-off of the times, a sensor's
+/// sample may be early: times of communication points are sums, whose round-off would put it off to
+/// the next one. Test: `a_sensor_takes_one_sample_at_each_of_its_times`.
 pub const SAMPLE_EARLY: f64 = 1e-6;
 /// How far beyond the box of a contact sensor places belong to it, as a share of its half extents:
 /// the corners of a face lie on the border of a box as large as the face, and a load moves them by

@@ -6,6 +6,7 @@
 
 use super::Readout;
 use super::channels::{channel, quantity};
+use crate::clock::round_off;
 use crate::model::{Sensor, SensorId, SensorKind};
 use crate::slots::{OutputSlot, Sensed};
 use crate::state::State;
@@ -89,7 +90,8 @@ impl Readout {
                 continue;
             };
             let (id, place) = (SensorId::from(s), self.sampler.places[s]);
-            let number = libm::floor((state.time - start) * rate + SAMPLE_EARLY).max(0.0);
+            let early = SAMPLE_EARLY + rate * round_off(state.time.abs().max(start.abs()));
+            let number = libm::floor((state.time - start) * rate + early).max(0.0);
             let taken = state.stepping.samples[place];
             if number < taken {
                 continue;

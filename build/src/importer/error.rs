@@ -57,6 +57,9 @@ pub enum RunError {
     /// Times that make no simulation.
     #[error("{0}")]
     Times(String),
+    /// Times of the FMU that make no simulation.
+    #[error("modelDescription.xml: <DefaultExperiment> makes no simulation: {0}")]
+    Default(String),
     /// No library for this system.
     #[error(
         "the FMU has no library for this system: there is no binaries/{platform}/{file}; it has: {found}"

@@ -7,6 +7,7 @@ use super::signals::{Signal, Signals};
 use super::tabular::{decoded, name_and_unit, same_unit};
 use super::variable::{Kind, Variable};
 use std::path::{Path, PathBuf};
+use urdf2fmu_core::clock;
 use urdf2fmu_core::digits::Digits;
 use urdf2fmu_core::pattern::Pattern;
 
@@ -47,6 +48,11 @@ pub struct Times {
     pub interval: f64,
 }
 
+/// How far apart, as a part of the interval and beside their round-off, two times may lie that are
+/// taken for the same: tables of inputs have times of nine digits. `FMPy` takes 1e-9 of the time,
+/// which is as much for the first seconds at usual intervals, and a second at a Unix time.
+pub(super) const SAME: f64 = 1e-6;
+
 impl Times {
     pub(super) fn new(
         description: &Description,
@@ -58,19 +64,50 @@ impl Times {
         let stop = stop.unwrap_or(start + 1.0);
         let interval = experiment.output_interval.or(description.step_size);
         let interval = interval.unwrap_or((stop - start) / 500.0);
-        if !(start.is_finite() && stop.is_finite() && stop > start) {
-            return Err(RunError::Times(format!(
-                "the stop time must be after the start time, not {} s after {} s",
-                Digits(stop),
-                Digits(start)
-            )));
+        // Who gave what is wrong: the user, or the FMU.
+        let wrong = |own: bool, text: String| {
+            if own {
+                RunError::Times(text)
+            } else {
+                RunError::Default(text)
+            }
+        };
+        let later = stop > start && !clock::is_same(start, stop, 0.0);
+        if !(start.is_finite() && stop.is_finite() && later) {
+            let own = experiment.start_time.is_some() || experiment.stop_time.is_some();
+            return Err(wrong(
+                own,
+                format!(
+                    "the stop time must be after the start time, not {} s after {} s",
+                    Digits(stop),
+                    Digits(start)
+                ),
+            ));
         }
+        let own = experiment.output_interval.is_some();
         if !(interval.is_finite() && interval > 0.0 && (stop - start) / interval <= MOST_ROWS) {
-            return Err(RunError::Times(format!(
-                "the output interval must be above 0 s and not too short for {} s, not {} s",
-                Digits(stop - start),
-                Digits(interval)
-            )));
+            return Err(wrong(
+                own,
+                format!(
+                    "the output interval must be above 0 s and not too short for {} s, not {} s",
+                    Digits(stop - start),
+                    Digits(interval)
+                ),
+            ));
+        }
+        // Each row has a time of its own.
+        let least = 2.0 * clock::round_off(start.abs().max(stop.abs()));
+        if interval < least {
+            return Err(wrong(
+                own,
+                format!(
+                    "the output interval must be at least {} s for times near {} s, which are not \
+                     told apart on a finer scale, not {} s",
+                    Digits(least),
+                    Digits(stop),
+                    Digits(interval)
+                ),
+            ));
         }
         Ok(Self {
             start,
@@ -78,20 +115,35 @@ impl Times {
             interval,
         })
     }
+
+    /// How far apart, s, two times may lie that are taken for the same.
+    pub(super) fn allowed(&self) -> f64 {
+        SAME * self.interval.min(self.stop - self.start)
+    }
 }
 
-pub(super) fn read(path: &Path) -> Result<String, RunError> {
-    let failed = |source| RunError::Read {
+fn read(path: &Path) -> Result<Vec<u8>, RunError> {
+    std::fs::read(path).map_err(|source| RunError::Read {
         path: path.to_owned(),
         source,
-    };
-    let bytes = std::fs::read(path).map_err(failed)?;
-    Ok(decoded(bytes))
+    })
+}
+
+/// What the modelDescription.xml of the FMU that was unpacked in `folder` says.
+pub(super) fn description(folder: &Path) -> Result<Description, RunError> {
+    let bytes = read(&folder.join("modelDescription.xml"))?;
+    Ok(Description::from_bytes(bytes)?)
 }
 
 /// The file of inputs, its columns matched with variables.
-pub(super) fn signals(description: &Description, path: &Path) -> Result<Signals, RunError> {
-    let (table, line) = Table::parse(&read(path)?).map_err(|source| RunError::Csv {
+///
+/// - `allowed`: how far apart, s, two times may lie that are taken for the same
+pub(super) fn signals(
+    description: &Description,
+    path: &Path,
+    allowed: f64,
+) -> Result<Signals, RunError> {
+    let (table, line) = Table::parse(&decoded(read(path)?)).map_err(|source| RunError::Csv {
         path: path.to_owned(),
         source,
     })?;
@@ -135,7 +187,7 @@ pub(super) fn signals(description: &Description, path: &Path) -> Result<Signals,
             column,
         });
     }
-    Ok(Signals::new(table, list))
+    Ok(Signals::new(table, list, allowed))
 }
 
 /// `--start-value`: what a name or glob means, with its value.
@@ -222,5 +274,55 @@ fn find<'d>(
             };
             Err(format!("there is no variable '{name}'{hint}"))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn times(default: &str, start: f64, stop: f64, interval: f64) -> Result<Times, RunError> {
+        let text = format!(
+            "<fmiModelDescription fmiVersion='2.0' guid='1'><CoSimulation modelIdentifier='m'/>\
+             <DefaultExperiment {default}/></fmiModelDescription>"
+        );
+        let given = |x: f64| (!x.is_nan()).then_some(x);
+        let experiment = Experiment {
+            start_time: given(start),
+            stop_time: given(stop),
+            output_interval: given(interval),
+            ..Experiment::default()
+        };
+        Times::new(&Description::parse(&text).expect("legal"), &experiment)
+    }
+
+    #[test]
+    fn times_that_make_no_simulation_are_blamed_on_who_gave_them() {
+        const NONE: f64 = f64::NAN;
+        for default in [
+            "stepSize='-0.1'",
+            "stepSize='NaN'",
+            "stopTime='NaN'",
+            "startTime='3' stopTime='2'",
+        ] {
+            let refused = times(default, NONE, NONE, NONE).expect_err(default);
+            assert!(!refused.is_usage(), "{refused}");
+            let text = refused.to_string();
+            assert!(text.starts_with("modelDescription.xml: "), "{text}");
+        }
+        assert!(times("stepSize='-0.1'", NONE, NONE, 0.1).is_ok());
+        for (start, stop, interval) in [(0.0, 1.0, -0.1), (2.0, 1.0, 0.1), (0.0, 1.0, 1e-9)] {
+            let refused = times("", start, stop, interval).expect_err("no simulation");
+            assert!(refused.is_usage(), "{refused}");
+        }
+    }
+
+    /// Doubles near 1e10 are 1.9e-6 apart.
+    #[test]
+    fn an_interval_that_times_do_not_tell_apart_is_refused() {
+        assert!(times("", 1e10, 1e10 + 1e-3, 1e-6).is_err());
+        assert!(times("", 1e10, 1e10 + 1e-6, 1.0).is_err());
+        assert!(times("", 1e10, 1e10 + 1.0, 1e-3).is_ok());
+        assert!(times("", 1.7e9, 1.7e9 + 1.0, 1e-4).is_ok());
     }
 }

@@ -1,6 +1,5 @@
 //! An FMU that is simulated step by step, with inputs that a person changes in between.
 
-use super::description::Description;
 use super::error::RunError;
 use super::experiment;
 use super::run::{Recorded, Run};
@@ -23,13 +22,14 @@ impl Live {
     /// Loads the FMU that was unpacked in `folder`.
     ///
     /// - `inputs`: a table of inputs over time
+    /// - `step`: how long its steps will be, s
     ///
     /// # Errors
     /// [`RunError`]
-    pub fn open(folder: &Path, inputs: Option<&Path>) -> Result<Self, RunError> {
-        let text = experiment::read(&folder.join("modelDescription.xml"))?;
-        let description = Description::parse(&text)?;
-        let signals = inputs.map(|path| experiment::signals(&description, path));
+    pub fn open(folder: &Path, inputs: Option<&Path>, step: f64) -> Result<Self, RunError> {
+        let description = experiment::description(folder)?;
+        let allowed = experiment::SAME * step;
+        let signals = inputs.map(|path| experiment::signals(&description, path, allowed));
         let recorded = Recorded::new(&description, |v| v.causality == "output");
         let (signals, tolerance) = (signals.transpose()?, description.tolerance);
         let run = Run::new(folder, &description, signals, recorded, tolerance, false)?;

@@ -4,15 +4,16 @@ use super::csv::Table;
 use super::description::Description;
 use super::error::{RunError, stopped};
 use super::exchange::{self, Exchange, Inputs};
-use super::experiment::{Experiment, Times, read, signals, starts};
+use super::experiment::{Experiment, Times, description, signals, starts};
 use super::library::{LibraryError, Slave, Stepped, uri};
 use super::select::selection;
-use super::signals::{Signals, is_close};
+use super::signals::Signals;
 use super::variable::{Kind, Variable};
 use crate::library::target;
 use std::collections::BTreeMap;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 use std::time::{Duration, Instant};
+use urdf2fmu_core::clock;
 use urdf2fmu_core::settings::FmiVersion;
 
 /// Relative tolerance of Model Exchange where neither the FMU nor a person names one.
@@ -57,11 +58,10 @@ pub fn simulate(
     experiment: &Experiment,
     watch: &mut dyn FnMut(f64, &Times) -> bool,
 ) -> Result<Outcome, RunError> {
-    let text = read(&folder.join("modelDescription.xml"))?;
-    let description = Description::parse(&text)?;
+    let description = description(folder)?;
     let times = Times::new(&description, experiment)?;
     let signals = match &experiment.inputs {
-        Some(path) => Some(signals(&description, path)?),
+        Some(path) => Some(signals(&description, path, times.allowed())?),
         None => None,
     };
     let starts = starts(&description, &experiment.start_values)?;
@@ -446,18 +446,19 @@ impl Run {
             stop,
             interval,
         } = *times;
+        let is_same = |a, b| clock::is_same(a, b, times.allowed());
         let (mut time, mut count) = (start, 0_u32);
-        while time < stop && !is_close(time, stop) {
+        while time < stop && !is_same(time, stop) {
             let regular = start + f64::from(count + 1) * interval;
             let mut next = regular;
             let event = self
                 .signals
                 .as_ref()
                 .map_or(f64::INFINITY, |signals| signals.next_event(time));
-            if variable_step && next > event && !is_close(next, event) {
+            if variable_step && next > event && !is_same(next, event) {
                 next = event;
             }
-            if next > stop && !is_close(next, stop) {
+            if next > stop && !is_same(next, stop) {
                 if !variable_step {
                     break;
                 }
@@ -479,7 +480,7 @@ impl Run {
                 self.took.push(took);
             }
             stepped?;
-            if is_close(time, regular) {
+            if is_same(time, regular) {
                 count += 1;
             }
             if !watch(time, times) {

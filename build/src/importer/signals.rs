@@ -5,6 +5,7 @@
 
 use super::csv::Table;
 use super::variable::{Kind, Variable};
+use urdf2fmu_core::clock;
 
 /// A column of the table and the variable that it is for.
 #[derive(Clone, Debug)]
@@ -31,16 +32,14 @@ pub struct Signals {
     table: Table,
     /// Times at which a step must end.
     events: Vec<f64>,
-}
-
-/// `math.isclose` of Python with its default tolerance: what `FMPy` takes for the same time.
-pub fn is_close(a: f64, b: f64) -> bool {
-    a.to_bits() == b.to_bits() || (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
+    /// How far apart, s, a time and that of a row may lie that are taken for the same.
+    allowed: f64,
 }
 
 impl Signals {
-    /// `list` names the columns of `table` that are used.
-    pub fn new(table: Table, list: Vec<Signal>) -> Self {
+    /// `list` names the columns of `table` that are used; times that differ by at most `allowed`,
+    /// s, beside their round-off, are taken for the same.
+    pub fn new(table: Table, list: Vec<Signal>, allowed: f64) -> Self {
         let mut events = Vec::new();
         for pair in table.rows.windows(2) {
             let jump = pair[0][0].to_bits() == pair[1][0].to_bits();
@@ -56,20 +55,25 @@ impl Signals {
             list,
             table,
             events,
+            allowed,
         }
+    }
+
+    fn is_same(&self, a: f64, b: f64) -> bool {
+        clock::is_same(a, b, self.allowed)
     }
 
     /// The next time after `time` at which a step must end.
     pub fn next_event(&self, time: f64) -> f64 {
         let later = self.events.iter().copied();
         later
-            .filter(|&event| event > time && !is_close(event, time))
+            .filter(|&event| event > time && !self.is_same(event, time))
             .fold(f64::INFINITY, f64::min)
     }
 
     /// Whether something jumps at `time`.
     pub fn jumps_at(&self, time: f64) -> bool {
-        self.events.iter().any(|&event| is_close(event, time))
+        self.events.iter().any(|&event| self.is_same(event, time))
     }
 
     /// Value of a signal at `time`; at a jump the one before it.
@@ -94,8 +98,9 @@ impl Signals {
             return value(last);
         }
         let current = self.current(time);
-        let jump = current
-            .is_some_and(|row| row > 0 && is_close(t(row - 1), t(row)) && is_close(time, t(row)));
+        let jump = current.is_some_and(|row| {
+            row > 0 && clock::is_same(t(row - 1), t(row), 0.0) && self.is_same(time, t(row))
+        });
         match current {
             None => value(0),
             Some(row) if jump || !signal.is_continuous() => value(row),
@@ -140,7 +145,7 @@ impl Signals {
     /// The last row that counts at `time`; none before the first.
     fn current(&self, time: f64) -> Option<usize> {
         let rows = &self.table.rows;
-        let begun = rows.partition_point(|row| row[0] <= time || is_close(row[0], time));
+        let begun = rows.partition_point(|row| row[0] <= time || self.is_same(row[0], time));
         begun.checked_sub(1)
     }
 }
@@ -165,7 +170,7 @@ mod tests {
             variable,
             column: 1,
         };
-        Signals::new(table, vec![signal])
+        Signals::new(table, vec![signal], 1e-9)
     }
 
     #[test]
@@ -195,6 +200,18 @@ mod tests {
         assert!(s.jumps_at(1.0) && !s.jumps_at(1.5));
         assert_eq!(s.next_event(0.2), 1.0);
         assert_eq!(s.next_event(1.0), f64::INFINITY);
+    }
+
+    #[test]
+    fn rows_far_from_the_time_zero_are_told_apart() {
+        let s = signals(
+            "time,u\n1700000000,0\n1700000000.5,0\n1700000000.5,5\n1700000001,5",
+            "continuous",
+        );
+        let at = |time| s.value(&s.list[0], 1.7e9 + time);
+        assert_eq!((at(0.0), at(0.4), at(0.5), at(0.6)), (0.0, 0.0, 5.0, 5.0));
+        assert_eq!(s.next_event(1.7e9), 1.7e9 + 0.5);
+        assert!(!s.jumps_at(1.7e9 + 0.4));
     }
 
     #[test]

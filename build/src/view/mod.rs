@@ -121,7 +121,7 @@ impl<'a> View<'a> {
     /// # Errors
     /// [`ViewError`]
     pub fn start(&self) -> Result<Ready<'a>, ViewError> {
-        let mut live = Live::open(self.folder, self.inputs.as_deref())?;
+        let mut live = Live::open(self.folder, self.inputs.as_deref(), STEP)?;
         live.begin()?;
         let head = &self.scene.head;
         let place = |name: &str| live.names().iter().position(|other| other == name);

@@ -6,14 +6,13 @@ use crate::common::Status;
 use crate::error::{FmiError, InstantiateError};
 use crate::logger::Category;
 use crate::phase::Phase;
+use urdf2fmu_core::clock;
 use urdf2fmu_core::simulation::{ParameterSlot, SimulationError};
 use urdf2fmu_core::variables::Variable;
 
-/// How far the beginning of a step may lie from the instance's time, relative to max(1, |t|), and
-/// as a part of the step. Masters add up their times in their own way (1e-16 relative per step) and
-/// some round them.
-const TIME_TOLERANCE: f64 = 1e-9;
-/// See [`TIME_TOLERANCE`].
+/// How far apart two times may lie that are taken for the same, as a part of the step and beside
+/// their round-off: some masters round their times. A nanosecond is within it from steps of a
+/// microsecond on.
 const STEP_TOLERANCE: f64 = 1e-3;
 /// Longest step, s. A longer one is a mistake, and would keep the host waiting for hours.
 const LONGEST_STEP: f64 = 1e6;
@@ -70,21 +69,21 @@ impl Instance {
             });
         }
         let now = self.simulation.time();
-        let slack = TIME_TOLERANCE * now.abs().max(1.0);
-        let distance = (point - now).abs();
-        if distance.is_nan() || distance > slack + STEP_TOLERANCE * step {
+        let same = |a, b| clock::is_same(a, b, STEP_TOLERANCE * step);
+        if !same(point, now) {
             return Err(FmiError::CommunicationPoint {
                 given: point,
                 expected: now,
             });
         }
         let (end, stop) = (point + step, self.experiment.stop);
-        if point >= stop - TIME_TOLERANCE * stop.abs().max(1.0) {
+        // However near to the stop time it begins, a step that ends there is in order.
+        if end > stop && (point >= stop || same(point, stop)) {
             let (begin, fmi) = (point, self.version);
             return Err(FmiError::StopTime { begin, stop, fmi });
         }
         // A fixed step that does not divide the experiment ends past its end: so do many masters.
-        if end > stop + 1e-6 * stop.abs().max(1.0) && !self.overshoot_logged {
+        if end > stop && !same(end, stop) && !self.overshoot_logged {
             self.overshoot_logged = true;
             self.warn(&format!(
                 "{}DoStep: the step ends at {end} s, past the stop time {stop} s",

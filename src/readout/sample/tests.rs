@@ -56,6 +56,21 @@ fn a_sensor_takes_one_sample_at_each_of_its_times() {
     }
 }
 
+/// Near a Unix time numbers are 0.24 µs apart, which is 24 millionths of the time between samples.
+#[test]
+fn a_sensor_takes_all_its_samples_far_from_the_time_zero() {
+    const START: f64 = 1.7e9;
+    let mut s = Simulation::new(Arc::new(falling("rate = 100\n")));
+    s.initialize(START).expect("a legal start");
+    let mut heights = vec![height(&mut s)];
+    for i in 1..=200 {
+        s.advance_to(START + f64::from(i) * 0.01).expect("finite");
+        heights.push(height(&mut s));
+    }
+    heights.dedup();
+    assert_eq!(heights.len(), 201);
+}
+
 #[test]
 fn before_the_start_a_sensor_with_a_rate_follows_the_parameters() {
     use crate::model::RootId;

@@ -102,3 +102,61 @@ fn illegal_arguments_of_setup_experiment_are_refused() {
             .is_ok()
     );
 }
+
+/// Both versions share the rule. Times of steps are products here, and sums in the instance; stop
+/// times are those of 240 and 1000 steps.
+#[test]
+fn steps_far_from_the_time_zero_are_as_legal_as_near_it() {
+    for (start, count, step) in [
+        (1.7e9, 240, 1.0 / 240.0),
+        (1e6, 1000, 1e-3),
+        (1e5, 1, 1e-4),
+        (-1e10, 100, 0.01),
+    ] {
+        let mut instance = instance();
+        let stop = start + f64::from(count) * step;
+        let set_up = instance.setup_experiment(None, start, Some(stop));
+        set_up.expect("legal");
+        instance.enter_initialization_mode();
+        instance.exit_initialization_mode().expect("legal");
+        for k in 0..count {
+            let point = start + f64::from(k) * step;
+            assert_eq!(instance.do_step(point, step), Ok(Status::OK), "{start} {k}");
+        }
+        assert!(!instance.overshoot_logged, "{start}");
+        assert!(matches!(
+            instance.do_step(stop, step),
+            Err(FmiError::StopTime { .. })
+        ));
+    }
+}
+
+#[test]
+fn steps_far_from_the_time_zero_may_not_jump() {
+    let mut instance = instance();
+    instance.setup_experiment(None, 1.7e9, None).expect("legal");
+    instance.enter_initialization_mode();
+    instance.exit_initialization_mode().expect("legal");
+    for point in [1.7e9 - 0.5, 1.7e9 - 1e-4, 1.7e9 + 1e-4, 1.7e9 + 0.5] {
+        assert!(matches!(
+            instance.do_step(point, 0.01),
+            Err(FmiError::CommunicationPoint { .. })
+        ));
+    }
+    assert_eq!(instance.do_step(1.7e9 + 5e-6, 0.01), Ok(Status::OK));
+}
+
+/// What is left to the stop time may be as short as round-off.
+#[test]
+fn a_step_that_ends_at_the_stop_time_is_legal_however_short() {
+    let mut instance = instance();
+    instance
+        .setup_experiment(None, 0.0, Some(1.0))
+        .expect("legal");
+    instance.enter_initialization_mode();
+    instance.exit_initialization_mode().expect("legal");
+    let almost = 1.0 - 2.0 * f64::EPSILON;
+    assert_eq!(instance.do_step(0.0, almost), Ok(Status::OK));
+    assert_eq!(instance.do_step(almost, 1.0 - almost), Ok(Status::OK));
+    assert_eq!(instance.last_successful_time(), 1.0);
+}
