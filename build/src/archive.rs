@@ -231,21 +231,47 @@ const LARGEST_FMU: u64 = 4 << 30;
 /// What a file must have at its top to be an FMU.
 const DESCRIPTION: &str = "modelDescription.xml";
 
-fn open(path: &Path) -> Result<zip::ZipArchive<std::fs::File>, ArchiveError> {
+type Zip = zip::ZipArchive<std::fs::File>;
+
+/// An FMU on disk.
+///
+/// # Errors
+/// [`ArchiveError::Read`], [`ArchiveError::Unpack`]; [`ArchiveError::Other`] for another zip.
+fn open(path: &Path) -> Result<Zip, ArchiveError> {
     let file = std::fs::File::open(path).map_err(|source| ArchiveError::Read {
         path: path.to_owned(),
         source,
     })?;
-    zip::ZipArchive::new(file).map_err(|source| ArchiveError::Unpack {
+    let zip = zip::ZipArchive::new(file).map_err(|source| ArchiveError::Unpack {
         path: path.to_owned(),
         source,
-    })
+    })?;
+    if zip.index_for_name(DESCRIPTION).is_some() {
+        return Ok(zip);
+    }
+    let below = |name: &str| {
+        let folder = name.strip_suffix(DESCRIPTION)?.strip_suffix('/')?;
+        Some(folder.to_owned())
+    };
+    let mut names = zip.file_names().flatten();
+    let hint = names.find_map(|name| below(&slashed(&name)));
+    let hint = hint.map_or_else(String::new, |folder| {
+        format!(", but in '{folder}': an FMU is a zip of what is in that folder")
+    });
+    let path = path.to_owned();
+    Err(ArchiveError::Other { path, hint })
+}
+
+/// The name of an entry with the separators that the format prescribes: some programs on Windows
+/// write others.
+fn slashed(name: &str) -> String {
+    name.replace('\\', "/")
 }
 
 /// One entry of a zip on disk; none where it has no such entry.
 ///
 /// # Errors
-/// [`ArchiveError::Read`], [`ArchiveError::Unpack`].
+/// [`ArchiveError::Read`], [`ArchiveError::Unpack`], [`ArchiveError::Other`].
 pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveError> {
     let io = |source| ArchiveError::Read {
         path: path.to_owned(),
@@ -256,11 +282,15 @@ pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveErr
         source,
     };
     let mut zip = open(path)?;
-    let mut entry = match zip.by_name(name) {
-        Ok(entry) => entry,
-        Err(zip::result::ZipError::FileNotFound) => return Ok(None),
-        Err(source) => return Err(unpack(source)),
+    // Of two entries of one name the later one is unpacked over the other.
+    let is_it = |i: &usize| {
+        let own = zip.name_for_index(*i).and_then(Result::ok);
+        own.is_some_and(|own| slashed(&own) == name)
     };
+    let Some(index) = (0..zip.len()).rev().find(is_it) else {
+        return Ok(None);
+    };
+    let mut entry = zip.by_index(index).map_err(unpack)?;
     let mut bytes = Vec::new();
     let mut limited = (&mut entry).take(LARGEST_ENTRY + 1);
     limited.read_to_end(&mut bytes).map_err(io)?;
@@ -274,7 +304,7 @@ pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveErr
 /// The folders below `parent`, sorted, each with the first bytes of a file in it.
 ///
 /// # Errors
-/// [`ArchiveError::Read`], [`ArchiveError::Unpack`].
+/// [`ArchiveError::Read`], [`ArchiveError::Unpack`], [`ArchiveError::Other`].
 pub fn heads(path: &Path, parent: &str) -> Result<Vec<(String, Vec<u8>)>, ArchiveError> {
     /// Enough for the headers of libraries.
     const FIRST: u64 = 4096;
@@ -290,7 +320,7 @@ pub fn heads(path: &Path, parent: &str) -> Result<Vec<(String, Vec<u8>)>, Archiv
     let mut found = BTreeMap::new();
     for i in 0..zip.len() {
         let entry = zip.by_index(i).map_err(unpack)?;
-        let name = entry.name().map_err(unpack)?.into_owned();
+        let name = slashed(&entry.name().map_err(unpack)?);
         let place = name.strip_prefix(parent).and_then(|n| n.split_once('/'));
         let Some((folder, _)) = place.filter(|(_, file)| !file.is_empty()) else {
             continue;
@@ -305,24 +335,10 @@ pub fn heads(path: &Path, parent: &str) -> Result<Vec<(String, Vec<u8>)>, Archiv
 /// Unpacks a zip into `folder`. Names that lead out of it are errors.
 ///
 /// # Errors
-/// [`ArchiveError::Read`], [`ArchiveError::Unpack`], [`ArchiveError::Extract`].
+/// [`ArchiveError::Read`], [`ArchiveError::Unpack`], [`ArchiveError::Other`],
+/// [`ArchiveError::Extract`].
 pub fn unpack(path: &Path, folder: &Path) -> Result<(), ArchiveError> {
     let mut zip = open(path)?;
-    if zip.index_for_name(DESCRIPTION).is_none() {
-        let below = |name: &str| {
-            Some(
-                name.strip_suffix(DESCRIPTION)?
-                    .strip_suffix('/')?
-                    .to_owned(),
-            )
-        };
-        let folder = zip.file_names().flatten().find_map(|name| below(&name));
-        let hint = folder.map_or_else(String::new, |folder| {
-            format!(", but in '{folder}': an FMU is a zip of what is in that folder")
-        });
-        let path = path.to_owned();
-        return Err(ArchiveError::Other { path, hint });
-    }
     // The sizes that the directory tells may be wrong: every byte is counted.
     let mut left = LARGEST_FMU;
     let unpack = |source| ArchiveError::Unpack {

@@ -88,8 +88,7 @@ fn show(args: &Info) -> Result<(), CliError> {
             .map(|(folder, head)| (folder, library::header::platforms(&head)))
             .collect();
         let text = archive::read_entry(&path, "modelDescription.xml")?.unwrap_or_default();
-        let description = Description::parse(&String::from_utf8_lossy(&text));
-        let description = description.map_err(RunError::from)?;
+        let description = Description::from_bytes(text).map_err(RunError::from)?;
         let prepared = PreparedModel::from_json(&String::from_utf8_lossy(&bytes))
             .map_err(|source| CliError::Prepared { path, source })?;
         let table = variables::table(&prepared.model)?;

@@ -150,3 +150,44 @@ fn what_is_deflated_already_is_copied_as_it_is() {
     };
     assert_eq!(header(&own), header(&copied));
 }
+
+/// As unzip, .NET before 4.6.1 and others write and read them; APPNOTE 4.4.17.1 has slashes.
+#[test]
+fn names_with_backslashes_are_read_as_they_are_unpacked() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.fmu");
+    let mut zip = ZipWriter::new(std::fs::File::create(&path).unwrap());
+    for (name, text) in [
+        ("modelDescription.xml", "<x/>"),
+        ("resources\\scene.bin", "scene"),
+        ("binaries\\win64\\a.dll", "MZ"),
+    ] {
+        zip.start_file(name, SimpleFileOptions::default()).unwrap();
+        zip.write_all(text.as_bytes()).unwrap();
+    }
+    zip.finish().unwrap();
+    let unpacked = folder.path().join("unpacked");
+    unpack(&path, &unpacked).unwrap();
+    let scene = std::fs::read(unpacked.join("resources/scene.bin")).unwrap();
+    let entry = read_entry(&path, "resources/scene.bin").unwrap();
+    assert_eq!(entry, Some(scene));
+    let heads = heads(&path, "binaries/").unwrap();
+    assert_eq!(heads, [("win64".to_owned(), b"MZ".to_vec())]);
+}
+
+#[test]
+fn a_zip_without_a_description_is_no_fmu_to_any_reader() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.fmu");
+    let mut archive = Archive::default();
+    archive.add("rover/modelDescription.xml", "<x/>").unwrap();
+    archive.add("resources/model.json", "{}").unwrap();
+    std::fs::write(&path, archive.to_bytes().unwrap()).unwrap();
+    for refused in [
+        read_entry(&path, "resources/model.json").unwrap_err(),
+        heads(&path, "binaries/").unwrap_err(),
+        unpack(&path, &folder.path().join("unpacked")).unwrap_err(),
+    ] {
+        assert!(refused.to_string().contains("but in 'rover'"), "{refused}");
+    }
+}
