@@ -226,8 +226,9 @@ impl Simulation {
         }
     }
 
-    /// Takes the samples of sensors that are due now.
-    fn sample(&mut self) {
+    /// A communication step ends here: takes the samples of sensors that are due.
+    /// [`Self::advance_to`] does so by itself.
+    pub fn sample(&mut self) {
         if !self.state.stepping.samples.is_empty() {
             let ctx = context!(self, applied);
             self.readout.sample(&ctx, &mut self.state, self.start);

@@ -18,7 +18,7 @@ impl Simulation {
     }
 
     /// The same for a part of a communication step that ends at `whole`, s, where driven bases
-    /// reach the velocities of their inputs.
+    /// reach the velocities of their inputs and sensors take their samples.
     ///
     /// # Errors
     /// As [`Self::advance_to`].
@@ -66,7 +66,9 @@ impl Simulation {
             self.inputs.gather(&self.model, &self.tree);
             self.state.stepping.ahead.all_changed();
         }
-        self.sample();
+        if end >= whole {
+            self.sample();
+        }
         Ok(())
     }
 

@@ -164,8 +164,12 @@ impl Instance {
         };
         let (way, callback) = (updates.way, updates.callback);
         if now >= way.end {
+            let early = way.end < way.asked;
+            if early {
+                self.simulation.sample();
+            }
             self.tell_solver();
-            return Self::arrived(now, way.end < way.asked);
+            return Self::arrived(now, early);
         }
         let most = self.simulation.parameter(ParameterSlot::MaxSteps);
         let most = most * (way.asked - way.begin).max(1.0);

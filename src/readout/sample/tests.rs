@@ -56,6 +56,24 @@ fn a_sensor_takes_one_sample_at_each_of_its_times() {
     }
 }
 
+/// A step that is taken in parts, as an importer's callback makes them, has one communication
+/// point: its end, wherever that turns out to be.
+#[test]
+fn a_sensor_takes_no_sample_within_a_communication_step() {
+    let fallen = |time: f64| 100.0 - 0.5 * G * time * time;
+    let mut s = start(falling("rate = 50\n"));
+    for (part, whole) in [(0.01, 0.025), (0.02, 0.025), (0.024, 0.025)] {
+        s.advance_part(part, whole).expect("finite");
+        assert!((height(&mut s) - 100.0).abs() < 1e-12, "{part}");
+    }
+    s.advance_part(0.025, 0.025).expect("finite");
+    assert!((height(&mut s) - fallen(0.025)).abs() < 1e-9);
+    s.advance_part(0.045, 0.05).expect("finite");
+    assert!((height(&mut s) - fallen(0.025)).abs() < 1e-9);
+    s.sample();
+    assert!((height(&mut s) - fallen(0.045)).abs() < 1e-9);
+}
+
 /// Near a Unix time numbers are 0.24 µs apart, which is 24 millionths of the time between samples.
 #[test]
 fn a_sensor_takes_all_its_samples_far_from_the_time_zero() {
