@@ -9,6 +9,7 @@ use crate::range::Range;
 use crate::slots::InputSlot;
 use crate::spatial::{Vec3, Vec6};
 use crate::tree::Tree;
+use crate::tuning::RAMP_ROUND_OFF;
 
 /// Highest time derivative of an input that is used.
 pub const INPUT_ORDERS: usize = 3;
@@ -238,6 +239,33 @@ impl Inputs {
         !self.varies
             || (0..self.count)
                 .all(|i| self.taylor(i, 0, t).is_finite() || !self.numbers[i].is_finite())
+    }
+
+    /// What an input becomes where its derivatives take it out of its range within `span` seconds
+    /// after the communication point.
+    pub fn beyond(&self, slot: InputSlot, span: f64) -> Option<f64> {
+        let index = self.index(slot).filter(|_| self.varies)?;
+        let [u, u1, u2, u3]: [f64; 1 + INPUT_ORDERS] =
+            std::array::from_fn(|order| self.numbers[order * self.count + index]);
+        // Start values may be infinite.
+        if !u.is_finite() || [u1, u2, u3].iter().all(|d| *d == 0.0) {
+            return None;
+        }
+        // It is greatest and least at the end, or where u′ + t u″ + t² u‴/2 is 0.
+        let root = libm::sqrt(u2 * u2 - 2.0 * u1 * u3);
+        let half = -(u2 + libm::copysign(root, u2));
+        let times = [span, half / u3, 2.0 * u1 / half];
+        let (least, greatest) = slot.range().bounds();
+        let terms = [
+            u,
+            u1 * span,
+            u2 * span * span / 2.0,
+            u3 * span * span * span / 6.0,
+        ];
+        let slack = RAMP_ROUND_OFF * terms.iter().map(|term| term.abs()).sum::<f64>();
+        let within = times.into_iter().filter(|t| (0.0..=span).contains(t));
+        let mut values = within.map(|t| self.taylor(index, 0, t));
+        values.find(|x| x.is_nan() || *x < least - slack || *x > greatest + slack)
     }
 
     /// Moves the communication point `t` seconds on: what follows it stays the same.

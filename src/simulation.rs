@@ -263,6 +263,22 @@ impl Simulation {
         }
     }
 
+    /// Whether an input has a time derivative for the next step that is not 0.
+    pub fn inputs_vary(&self) -> bool {
+        self.inputs.varies()
+    }
+
+    /// What an input becomes where its time derivatives take it out of its range in a step to
+    /// `end`, s.
+    pub fn input_beyond(&self, slot: InputSlot, end: f64) -> Option<f64> {
+        self.inputs.beyond(slot, end - self.state.time)
+    }
+
+    /// What a legal value of an input is, for messages.
+    pub fn input_expected(slot: InputSlot) -> &'static str {
+        slot.range().expected()
+    }
+
     /// What follows from the inputs as a whole.
     fn gather(&mut self) {
         let inputs = &mut self.inputs;

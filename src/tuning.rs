@@ -628,12 +628,16 @@ pub const SET_DOWN: f64 = 1e-10;
 /// `a_cube_on_a_tilted_table_sticks_below_the_cone_and_slides_above`.
 pub const SETTLING_STEPS: usize = 12;
 
-// Outputs: `readout/pair.rs`, `readout/sample.rs`, `readout/touch.rs`.
+// Inputs: `inputs.rs`. Outputs: `readout/pair.rs`, `readout/sample.rs`, `readout/touch.rs`.
 
 /// Length of the mean of a pair's unit normals, weighted with the normal forces, below which they
 /// cancel: fingers that press from two sides with forces that differ by round-off have no common
 /// normal (`fingers_on_two_sides_of_a_cube_have_no_common_normal`).
 pub const OPPOSED: f64 = 1e-6;
+/// By how much of its terms' sizes an input that changes within a step may leave its range: slopes
+/// of tables are quotients, whose round-off would take `max_effort` below 0 where it ends there. At
+/// 0 fails `a_ramp_may_end_at_the_end_of_its_range`.
+pub const RAMP_ROUND_OFF: f64 = 1e-9;
 /// By how much of the time between two samples, beside the round-off of the times, a sensor's
 /// sample may be early: times of communication points are sums, whose round-off would put it off to
 /// the next one. Test: `a_sensor_takes_one_sample_at_each_of_its_times`.

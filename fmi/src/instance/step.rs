@@ -6,9 +6,11 @@ use crate::common::Status;
 use crate::error::{FmiError, InstantiateError};
 use crate::logger::Category;
 use crate::phase::Phase;
+use std::fmt::Display;
 use urdf2fmu_core::clock;
-use urdf2fmu_core::simulation::{ParameterSlot, SimulationError};
-use urdf2fmu_core::variables::Variable;
+use urdf2fmu_core::digits::Digits;
+use urdf2fmu_core::simulation::{InputSlot, ParameterSlot, Simulation, SimulationError};
+use urdf2fmu_core::variables::{Slot, Variable};
 
 /// How far apart two times may lie that are taken for the same, as a part of the step and beside
 /// their round-off: some masters round their times. A nanosecond is within it from steps of a
@@ -101,16 +103,58 @@ impl Instance {
         if end <= self.simulation.time() {
             return Ok(Status::OK);
         }
-        match self.simulation.advance_to(end) {
+        let ramps = self.check_ramps(end);
+        let advanced = ramps.and_then(|()| {
+            let advanced = self.simulation.advance_to(end);
+            advanced.map_err(|error| error.to_string())
+        });
+        match advanced {
             Ok(()) => {
                 self.tell_solver();
                 Ok(Status::OK)
             }
-            Err(error) => {
+            Err(why) => {
                 self.phase = Phase::StepFailed;
-                Ok(self.discard(&error, end, "restore a saved state before the next step"))
+                Ok(self.discard(&why, end, "restore a saved state before the next step"))
             }
         }
+    }
+
+    /// Looks where derivatives take the inputs in a step to `end`, s. A limit of an effort that
+    /// would fall below 0 stops there, which is said once: importers hold a slope to the end of a
+    /// step where their table has a corner within it.
+    ///
+    /// # Errors
+    /// Which other input leaves its range.
+    fn check_ramps(&mut self, end: f64) -> Result<(), String> {
+        if !self.simulation.inputs_vary() {
+            return Ok(());
+        }
+        for row in 0..self.variables.len() {
+            let variable = &self.variables[row];
+            let Slot::Input(slot) = variable.slot else {
+                continue;
+            };
+            let Some(value) = self.simulation.input_beyond(slot, end) else {
+                continue;
+            };
+            let (name, value) = (&variable.name, Digits(value));
+            if !(matches!(slot, InputSlot::MaxEffort(_)) && value.0 < 0.0) {
+                let expected = Simulation::input_expected(slot);
+                return Err(format!(
+                    "the derivatives of '{name}' take it to {value} within the step, but it must be \
+                     {expected}"
+                ));
+            }
+            let text = format!(
+                "the derivatives of '{name}' take it to {value} within the step; it stops at 0, and \
+                 this is said once"
+            );
+            if !std::mem::replace(&mut self.range_logged[row], true) {
+                self.warn(&text);
+            }
+        }
+        Ok(())
     }
 
     /// fmi3DoStep up to its end, or to the first call of the callback.
@@ -216,7 +260,7 @@ impl Instance {
     }
 
     /// Says that a step is discarded, and what to do.
-    fn discard(&self, error: &SimulationError, end: f64, advice: &str) -> Status {
+    fn discard(&self, error: &dyn Display, end: f64, advice: &str) -> Status {
         let message = format!(
             "{}DoStep: {error}; the step to {end} s is discarded, the last successful time is {} s; \
              {advice}",

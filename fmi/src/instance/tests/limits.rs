@@ -160,3 +160,70 @@ fn a_step_that_ends_at_the_stop_time_is_legal_however_short() {
     assert_eq!(instance.do_step(almost, 1.0 - almost), Ok(Status::OK));
     assert_eq!(instance.last_successful_time(), 1.0);
 }
+
+fn set_derivatives(instance: &mut Instance, references: &[u32], orders: &[i32], values: &[f64]) {
+    #[allow(unsafe_code, reason = "slices are valid arrays")]
+    // SAFETY: slices are valid arrays.
+    let (references, orders, values) = unsafe {
+        (
+            In::new("vr", references.as_ptr(), references.len()).expect("an array"),
+            In::new("order", orders.as_ptr(), orders.len()).expect("an array"),
+            In::new("value", values.as_ptr(), values.len()).expect("an array"),
+        )
+    };
+    let set = instance.set_input_derivatives(&references, &orders, &values);
+    set.expect("legal");
+}
+
+/// `docs/interface.md`: commanded velocities are within ±1e5 rad/s.
+#[test]
+fn derivatives_take_no_input_out_of_its_range() {
+    const ONE: &[u32] = &[WHEEL_VELOCITY];
+    const TWO: &[u32] = &[WHEEL_VELOCITY; 2];
+    for (references, orders, values) in [
+        (ONE, [1, 0], [1e18, 0.0]),
+        (ONE, [1, 0], [-1.01e7, 0.0]),
+        // u = 4.1e7 t − 4.1e9 t² is 0 at the end, and 1.025e5 on the way.
+        (TWO, [1, 2], [4.1e7, -8.2e9]),
+        // u = 1.2e8 t − 1.2e12 t³ is 0 at the end, and 4.6e5 on the way.
+        (TWO, [1, 3], [1.2e8, -7.2e12]),
+    ] {
+        let mut instance = running();
+        let before = (instance.save(), bits(&mut instance));
+        set_derivatives(
+            &mut instance,
+            references,
+            &orders[..references.len()],
+            &values[..references.len()],
+        );
+        assert_eq!(instance.do_step(0.0, 0.01), Ok(Status::Discard));
+        assert_eq!(bits(&mut instance), before.1, "{values:?}");
+        instance.restore(&before.0).expect("own state");
+        assert!(set(&mut instance, &[WHEEL_VELOCITY], &[1e6]).is_err());
+        assert_eq!(instance.do_step(0.0, 0.01), Ok(Status::OK));
+    }
+}
+
+/// 0.1 · 3 is more than 0.3 by round-off, and 1e5 is the end of the range.
+#[test]
+fn a_ramp_may_end_at_the_end_of_its_range() {
+    let mut instance = running();
+    set(&mut instance, &[MAX_EFFORT], &[0.3]).expect("legal");
+    let both = [MAX_EFFORT, WHEEL_VELOCITY];
+    set_derivatives(&mut instance, &both, &[1, 1], &[-0.1 * 3.0 / 0.01, 1e7]);
+    assert_eq!(instance.do_step(0.0, 0.01), Ok(Status::OK));
+    let expected = vec![0.0, 1e5];
+    assert_eq!(get(&mut instance, &both), Ok(expected));
+    assert!(!instance.range_logged[MAX_EFFORT as usize]);
+}
+
+#[test]
+fn a_limit_of_an_effort_stops_at_zero_with_a_warning() {
+    let mut instance = running();
+    set(&mut instance, &[MAX_EFFORT], &[1.0]).expect("legal");
+    set_derivatives(&mut instance, &[MAX_EFFORT], &[1], &[-200.0]);
+    assert_eq!(instance.do_step(0.0, 0.01), Ok(Status::OK));
+    assert_eq!(get(&mut instance, &[MAX_EFFORT]), Ok(vec![0.0]));
+    assert!(instance.range_logged[MAX_EFFORT as usize]);
+    assert!(set(&mut instance, &[MAX_EFFORT], &[-1.0]).is_err());
+}
