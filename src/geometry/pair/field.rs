@@ -179,7 +179,7 @@ impl OnField<'_, '_> {
             let depth = radius - n.dot(&(c - at));
             self.sink
                 .add(n, point(c - n * (radius - 0.5 * depth), depth, share));
-            deepest = deeper(deepest, End { n: *n, depth });
+            deepest = Some(deeper(deepest, End { n: *n, depth }));
         }
         deepest
     }
@@ -246,7 +246,7 @@ impl OnField<'_, '_> {
             let depth = n.dot(&(at - x));
             let halfway = point(x + n * (0.5 * depth), depth, 0.5);
             self.sink.add(n, PatchPoint { rim, ..halfway });
-            deepest = deeper(deepest, End { n: *n, depth });
+            deepest = Some(deeper(deepest, End { n: *n, depth }));
         }
         deepest
     }
@@ -306,11 +306,11 @@ fn part_at_end(n: &Vec3, sides: &[Vec3; 2], at: (&Placed, &Vec3)) -> f64 {
 }
 
 /// The deeper of two ends.
-fn deeper(known: Option<End>, end: End) -> Option<End> {
-    Some(match known {
+fn deeper(known: Option<End>, end: End) -> End {
+    match known {
         Some(known) if known.depth >= end.depth => known,
         _ => end,
-    })
+    }
 }
 
 /// An end of a cylinder while the lowest point of its rim is being found.
