@@ -12,10 +12,12 @@ use urdf2fmu_core::digits::Digits;
 use urdf2fmu_core::simulation::{InputSlot, ParameterSlot, Simulation, SimulationError};
 use urdf2fmu_core::variables::{Slot, Variable};
 
-/// How far apart two times may lie that are taken for the same, as a part of the step and beside
-/// their round-off: some masters round their times. A nanosecond is within it from steps of a
-/// microsecond on.
+/// How far apart two times may lie that are taken for the same, as a part of the step, beside their
+/// round-off and [`ROUNDED`].
 const STEP_TOLERANCE: f64 = 1e-3;
+/// The same in seconds: some masters round their times to nanoseconds, however short their steps
+/// are. At 0 fails `wrong_times_are_errors_and_near_ones_are_not`.
+const ROUNDED: f64 = 1e-9;
 /// Longest step, s. A longer one is a mistake, and would keep the host waiting for hours.
 const LONGEST_STEP: f64 = 1e6;
 /// What FMI 3 promises of a step that is discarded.
@@ -71,7 +73,7 @@ impl Instance {
             });
         }
         let now = self.simulation.time();
-        let same = |a, b| clock::is_same(a, b, STEP_TOLERANCE * step);
+        let same = |a, b| clock::is_same(a, b, ROUNDED + STEP_TOLERANCE * step);
         if !same(point, now) {
             return Err(FmiError::CommunicationPoint {
                 given: point,
