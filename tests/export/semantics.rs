@@ -103,7 +103,8 @@ fn an_srdf_in_xacro_is_expanded_with_its_arguments() {
     fs::write(&macros, &whole).unwrap();
 
     let whole = fs::read_to_string(&srdf).unwrap();
-    fs::write(&srdf, whole.replace(" default='right'", "")).unwrap();
+    let argument = "<xacro:arg name='side' default='right'/>";
+    fs::write(&srdf, whole.replace(argument, "")).unwrap();
     let (ok, list) = findings(&urdf, &["--srdf", text(&srdf)]);
     let call = format!("after the robot's file: {} side:=", urdf.display());
     assert!(
