@@ -512,20 +512,23 @@ pub const NEAREST_IN_HOLLOW: usize = 40;
 /// start, beyond which the step has gone too far over a crest. Infinite fails
 /// `what_rolls_over_a_step_of_heights_touches_it_all_the_way`.
 pub const TOO_FAR: f64 = 0.5;
-/// Places of one face of a shape that are looked at for what of heights bulges between its corners,
-/// at most: about so many. At 16 fails `what_lies_across_a_smooth_hill_does_not_sink_into_it`.
+/// Places of one face of a shape on heights that are looked at for a bulge between its corners, at
+/// most, but for some. At 16 fails `what_lies_across_a_smooth_hill_does_not_sink_into_it`.
 pub const MOST_LOOKS: usize = 64;
-/// The same along the axis of a capsule or a cylinder. At 4 fails the same test.
+/// Parts, at most, into which the axis of a capsule or a cylinder on heights is divided for such
+/// places. At 4 fails `what_lies_across_a_smooth_hill_does_not_sink_into_it`.
 pub const MOST_ON_LINE: usize = 16;
-/// Of these, the deepest that act. At 1 fails the same test.
+/// Places of a face or an axis that may act where heights bulge, at most: the deepest. At 1 fails
+/// `what_lies_across_a_smooth_hill_does_not_sink_into_it`.
 pub const MOST_BULGES: usize = 24;
-/// How far smooth ground may rise between two such places, as a share of the length over which
-/// faces take over from each other: a quarter of a millimetre. At 2.5 fails the same test.
+/// How far smooth heights may rise between two places where a bulge is looked for, as a share of
+/// the length over which faces take over from each other: a quarter of a millimetre. At 2.5 fails
+/// `what_lies_across_a_smooth_hill_does_not_sink_into_it`.
 pub const BULGE_BETWEEN: f64 = 0.25;
-/// How much less the share of such places is than what bulges says: less than this is round-off. At
-/// 0 fails `a_ball_at_the_foot_of_a_slope_touches_both`.
+/// Bulge of heights that is round-off and carries nothing, as a share of the length over which
+/// faces take over from each other. At 0 fails `a_ball_at_the_foot_of_a_slope_touches_both`.
 pub const BULGE_LEAST: f64 = 1e-6;
-/// Parts of the width of a ball in which such places are told apart. At 2 fails
+/// Parts of the width of a ball in which its nearest places on heights are told apart. At 2 fails
 /// `a_ball_at_the_foot_of_a_slope_touches_both`.
 pub const HOLLOW_LOOKS: usize = 16;
 /// Most such places: the ground, four walls, and what else is there. At 1 fails

@@ -11,20 +11,15 @@ mod cubic;
 mod hollow;
 mod pyramid;
 mod rim;
+mod samples;
 
 use self::cubic::Cell;
 use self::pyramid::Pyramid;
+pub use self::samples::{MOST_SAMPLES, Samples};
 use super::error::GeometryError;
 use crate::spatial::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-
-/// Most samples of a field.
-pub const MOST_SAMPLES: usize = 4_000_000;
-
-/// Slope at a sample over the smaller slope of the cells beside it, at most: with more a cubic
-/// between two samples may leave the range of their heights.
-const STEEPEST: f64 = 3.0;
 
 /// How a sample lies to the end of the surface.
 #[derive(Clone, Copy, Debug)]
@@ -97,17 +92,6 @@ impl Grid {
     }
 }
 
-/// Heights over a grid.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Samples {
-    /// Extent along x and y, m.
-    pub size: [f64; 2],
-    /// How many along x and y, at least two.
-    pub counts: [usize; 2],
-    /// m, row by row: along x first, from the lowest x and y.
-    pub heights: Vec<f64>,
-}
-
 /// The surface at a place.
 #[derive(Clone, Copy, Debug)]
 pub struct Local {
@@ -131,25 +115,8 @@ impl Local {
 impl TryFrom<Samples> for Field {
     type Error = GeometryError;
 
-    #[cfg_attr(small, optimize(size))]
     fn try_from(samples: Samples) -> Result<Self, GeometryError> {
-        let [nx, ny] = samples.counts;
-        let fits = nx.min(ny) >= 2
-            && nx.saturating_mul(ny) <= MOST_SAMPLES
-            && samples.heights.len() == nx * ny
-            && samples.size.iter().all(|s| *s > 0.0 && *s < 1e6);
-        if !fits {
-            return Err(GeometryError::Grid);
-        }
-        for (index, height) in samples.heights.iter().enumerate() {
-            if !height.is_finite() {
-                return Err(GeometryError::NotFinite { index });
-            }
-            if height.abs() > 1e6 {
-                let distance = height.abs();
-                return Err(GeometryError::TooFar { index, distance });
-            }
-        }
+        samples.check()?;
         Ok(Self::of(samples))
     }
 }
@@ -160,46 +127,10 @@ impl From<Field> for Samples {
     }
 }
 
-/// The mean of two slopes, limited, see the module.
-fn limited(a: f64, b: f64) -> f64 {
-    let most = STEEPEST * a.abs().min(b.abs());
-    (0.5 * (a + b)).clamp(-most, most)
-}
-
-/// Slopes per cell of a row of values.
-fn row_slopes(value: impl Fn(usize) -> f64, count: usize, mut take: impl FnMut(usize, f64)) {
-    for i in 0..count {
-        let before = (i > 0).then(|| value(i) - value(i - 1));
-        let after = (i + 1 < count).then(|| value(i + 1) - value(i));
-        let slope = match (before, after) {
-            (Some(a), Some(b)) => limited(a, b),
-            (Some(only), None) | (None, Some(only)) => only,
-            (None, None) => 0.0,
-        };
-        take(i, slope);
-    }
-}
-
 impl Field {
     fn of(samples: Samples) -> Self {
         let [nx, ny] = samples.counts;
-        let mut nodes: Vec<[f64; 4]> = samples
-            .heights
-            .iter()
-            .map(|h| [*h, 0.0, 0.0, 0.0])
-            .collect();
-        for j in 0..ny {
-            let row = j * nx;
-            let height = |i: usize| samples.heights[row + i];
-            row_slopes(height, nx, |i, slope| nodes[row + i][1] = slope);
-        }
-        for i in 0..nx {
-            let place = |j: usize| j * nx + i;
-            let height = |j: usize| samples.heights[place(j)];
-            row_slopes(height, ny, |j, slope| nodes[place(j)][2] = slope);
-            let along: Vec<f64> = (0..ny).map(|j| nodes[place(j)][1]).collect();
-            row_slopes(|j| along[j], ny, |j, slope| nodes[place(j)][3] = slope);
-        }
+        let nodes = samples.nodes();
         let lowest = samples
             .heights
             .iter()
@@ -384,6 +315,21 @@ impl Field {
         Some((height, local.normal()))
     }
 
+    /// The tangent plane of the surface below a point: its normal, and how deep the point is in it,
+    /// m; none beyond the rectangle.
+    #[inline]
+    pub fn below(&self, x: &Vec3) -> Option<(Vec3, f64)> {
+        let (height, n) = self.tangent(x.x, x.y)?;
+        Some((n, (height - x.z) * n.z))
+    }
+
+    /// The same, with the tangent plane at the nearest place of the end for a point beyond it.
+    pub fn below_or_end(&self, x: &Vec3) -> Option<(Vec3, f64)> {
+        let [a, b] = self.within([x.x, x.y]);
+        let (height, n) = self.tangent(a, b)?;
+        Some((n, n.dot(&(Vec3::new(a, b, height) - x))))
+    }
+
     /// The sample `(i, j)`: its place, the surface's normal there, how sharp it is.
     pub fn sample(&self, i: usize, j: usize) -> (Vec3, Vec3, f64) {
         let [nx, _] = self.samples.counts;
@@ -445,13 +391,19 @@ impl Field {
         [first.min(count_of - 1), last.min(count_of - 1)]
     }
 
-    /// A height that the surface does not exceed within a square of half the width `around` about a
-    /// place, m; of blocks of cells that are up to twice as wide as the square.
-    pub fn highest(&self, x: f64, y: f64, around: f64) -> f64 {
+    /// The cells within a square of half the width `around` about a place: columns and rows.
+    #[inline]
+    fn square(&self, x: f64, y: f64, around: f64) -> [[usize; 2]; 2] {
         let [nx, ny] = self.samples.counts;
         let columns = self.around(x - around, x + around, 0, nx - 1);
         let rows = self.around(y - around, y + around, 1, ny - 1);
-        self.cells.highest([columns, rows])
+        [columns, rows]
+    }
+
+    /// A height that the surface does not exceed within a square of half the width `around` about a
+    /// place, m; of blocks of cells that are up to twice as wide as the square.
+    pub fn highest(&self, x: f64, y: f64, around: f64) -> f64 {
+        self.cells.highest(self.square(x, y, around))
     }
 
     /// Calls `take` with each sharp sample within a square of half the width `around` about a place
@@ -492,7 +444,7 @@ impl Field {
 }
 
 #[expect(clippy::cast_precision_loss, reason = "counts of samples are small")]
-fn count(n: usize) -> f64 {
+pub(super) fn count(n: usize) -> f64 {
     n as f64
 }
 

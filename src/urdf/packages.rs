@@ -50,6 +50,9 @@ pub(super) struct Packages<'o> {
     known: RefCell<BTreeMap<String, Rc<[Place]>>>,
 }
 
+/// One of the ways to look for a package by its names.
+type Find<'o> = fn(&Packages<'o>, &[String]) -> Vec<PathBuf>;
+
 impl<'o> Packages<'o> {
     pub(super) fn new(base_dir: &Path, options: &'o ReadOptions) -> Self {
         let absolute = || std::path::absolute(base_dir).unwrap_or_else(|_| base_dir.to_owned());
@@ -95,38 +98,23 @@ impl<'o> Packages<'o> {
     /// asked: what an option names, the package paths, then the surroundings of the robot; of each
     /// of the two, first what `package.xml` says, then what is only called so.
     fn candidates(&self, names: &[String]) -> impl Iterator<Item = Place> {
-        let sure = |folder: PathBuf| Place { folder, sure: true };
-        let bare = |folder: PathBuf| Place {
-            folder,
-            sure: false,
-        };
         let named = self.named.iter().filter(|(own, _)| names.contains(own));
         let named = named.map(|(_, folder)| Place {
             sure: folder.is_dir(),
             folder: folder.clone(),
         });
+        let groups: [(bool, Find<'o>); 4] = [
+            (true, Self::of_paths_by_manifest),
+            (false, Self::of_paths_by_name),
+            (true, Self::around_by_manifest),
+            (false, Self::around_by_name),
+        ];
         // Whoever does not get so far does not look into folders.
-        named
-            .chain(
-                std::iter::once_with(|| self.of_paths_by_manifest(names))
-                    .flatten()
-                    .map(sure),
-            )
-            .chain(
-                std::iter::once_with(|| self.of_paths_by_name(names))
-                    .flatten()
-                    .map(bare),
-            )
-            .chain(
-                std::iter::once_with(|| self.around_by_manifest(names))
-                    .flatten()
-                    .map(sure),
-            )
-            .chain(
-                std::iter::once_with(|| self.around_by_name(names))
-                    .flatten()
-                    .map(bare),
-            )
+        let found = groups.into_iter().flat_map(move |(sure, find)| {
+            let folders = find(self, names).into_iter();
+            folders.map(move |folder| Place { folder, sure })
+        });
+        named.chain(found)
     }
 
     /// A package path, and where it keeps a package: an install prefix (`AMENT_PREFIX_PATH`) does
@@ -138,10 +126,11 @@ impl<'o> Packages<'o> {
         std::iter::once(path.to_owned()).chain(below)
     }
 
-    fn of_paths_by_manifest(&self, names: &[String]) -> Option<PathBuf> {
+    fn of_paths_by_manifest(&self, names: &[String]) -> Vec<PathBuf> {
         let mut near = self.paths.iter().flat_map(|path| Self::near(path, names));
         let found = near.find(|folder| manifest_is(folder, names));
-        found.or_else(|| self.of_paths().named(names).next().map(Path::to_owned))
+        let found = found.or_else(|| self.of_paths().named(names).next().map(Path::to_owned));
+        found.into_iter().collect()
     }
 
     fn of_paths_by_name(&self, names: &[String]) -> Vec<PathBuf> {
@@ -158,11 +147,11 @@ impl<'o> Packages<'o> {
         near.chain(called.map(Path::to_owned)).collect()
     }
 
-    fn around_by_manifest(&self, names: &[String]) -> Option<PathBuf> {
+    fn around_by_manifest(&self, names: &[String]) -> Vec<PathBuf> {
         let mut above = self.base.ancestors();
         let found = above.find(|folder| manifest_is(folder, names));
         let found = found.or_else(|| self.workspace().named(names).next());
-        found.map(Path::to_owned)
+        found.map(Path::to_owned).into_iter().collect()
     }
 
     fn around_by_name(&self, names: &[String]) -> Vec<PathBuf> {

@@ -326,6 +326,20 @@ mod tests {
     <InitialUnknowns><Unknown index="1"/></InitialUnknowns></ModelStructure>
 </fmiModelDescription>"#;
 
+    /// The description of FMI 3 for Model Exchange, with a variable as its state.
+    fn exchange_of(state: u32) -> String {
+        TEXT_OF_FMI_3
+            .replace("CoSimulation", "ModelExchange")
+            .replace(
+                "<Output ",
+                "<ContinuousStateDerivative valueReference=\"8\"/><Output ",
+            )
+            .replace(
+                "<Boolean name=\"on\"",
+                &format!("<Float64 derivative=\"{state}\" name=\"on\""),
+            )
+    }
+
     #[test]
     fn states_of_model_exchange_are_named_in_their_order() {
         let description = Description::parse(EXCHANGE).expect("Model Exchange");
@@ -337,16 +351,7 @@ mod tests {
             refused.to_string().contains("2 event indicators"),
             "{refused}"
         );
-        let three = TEXT_OF_FMI_3
-            .replace("CoSimulation", "ModelExchange")
-            .replace(
-                "<Output ",
-                "<ContinuousStateDerivative valueReference=\"8\"/><Output ",
-            )
-            .replace(
-                "<Boolean name=\"on\"",
-                "<Float64 derivative=\"7\" name=\"on\"",
-            );
+        let three = exchange_of(7);
         let description = Description::parse(&three).expect("Model Exchange of FMI 3");
         assert_eq!(description.states, ["p.x", "p.y"]);
     }
@@ -412,17 +417,7 @@ mod tests {
         );
         assert_eq!(description.guid, "t");
         // As many states as the structural parameter says.
-        let exchange = TEXT_OF_FMI_3
-            .replace("CoSimulation", "ModelExchange")
-            .replace(
-                "<Output ",
-                "<ContinuousStateDerivative valueReference=\"8\"/><Output ",
-            )
-            .replace(
-                "<Boolean name=\"on\"",
-                "<Float64 derivative=\"4\" name=\"on\"",
-            );
-        let description = Description::parse(&exchange).expect("Model Exchange of FMI 3");
+        let description = Description::parse(&exchange_of(4)).expect("Model Exchange of FMI 3");
         assert_eq!(description.states.len(), 4);
     }
 

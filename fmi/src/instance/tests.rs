@@ -63,9 +63,20 @@ fn instance_with(version: Version, rows: Vec<Variable>) -> Instance {
     )
 }
 
-/// Initialised at 0 s.
+/// Initialised at 0 s, without a call of fmi2SetupExperiment.
 fn running() -> Instance {
+    initialised(instance())
+}
+
+/// Initialised at a start time, s, with or without a stop time.
+fn running_from(start: f64, stop: Option<f64>) -> Instance {
     let mut instance = instance();
+    let set_up = instance.setup_experiment(None, start, stop);
+    set_up.expect("legal times");
+    initialised(instance)
+}
+
+fn initialised(mut instance: Instance) -> Instance {
     instance.enter_initialization_mode();
     instance.exit_initialization_mode().expect("a legal rover");
     instance
@@ -395,10 +406,7 @@ fn steps_land_exactly_whatever_their_size() {
 
 #[test]
 fn a_step_below_the_resolution_of_time_succeeds_without_work() {
-    let mut instance = instance();
-    instance.setup_experiment(None, 1e6, None).expect("legal");
-    instance.enter_initialization_mode();
-    instance.exit_initialization_mode().expect("legal");
+    let mut instance = running_from(1e6, None);
     // Doubles near 1e6 are 1.2e-10 apart.
     assert_eq!(instance.do_step(1e6, 1e-12), Ok(Status::OK));
     assert_eq!(instance.last_successful_time(), 1e6);
@@ -444,12 +452,7 @@ fn the_beginning_of_a_step_may_jitter_but_not_jump() {
 
 #[test]
 fn the_last_step_may_end_past_the_stop_time_but_none_begins_there() {
-    let mut instance = instance();
-    instance
-        .setup_experiment(None, 0.0, Some(1.0))
-        .expect("legal");
-    instance.enter_initialization_mode();
-    instance.exit_initialization_mode().expect("legal");
+    let mut instance = running_from(0.0, Some(1.0));
     assert_eq!(instance.do_step(0.0, 0.7), Ok(Status::OK));
     assert_eq!(instance.do_step(0.7, 0.7), Ok(Status::OK));
     assert!(instance.overshoot_logged);

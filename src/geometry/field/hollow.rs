@@ -60,27 +60,21 @@ impl Field {
         if self.hollows.top() * radius < 1.0 {
             return false;
         }
-        let [nx, ny] = self.samples.counts;
-        let columns = self.around(c.x - around, c.x + around, 0, nx - 1);
-        let rows = self.around(c.y - around, c.y + around, 1, ny - 1);
-        self.hollows.highest([columns, rows]) * radius >= 1.0
+        self.hollows.highest(self.square(c.x, c.y, around)) * radius >= 1.0
     }
 
-    /// What the surface does not bend down by more anywhere, 1/m.
+    /// The most by which the surface bends down anywhere, 1/m, or more.
     pub fn humps(&self) -> f64 {
         self.humps.top().max(0.0)
     }
 
-    /// What the surface does not bend down by more within a square of half the width `around` about
-    /// a place, 1/m.
+    /// The most by which the surface bends down within a square of half the width `around` about a
+    /// place, 1/m, or more.
     pub fn hump(&self, x: f64, y: f64, around: f64) -> f64 {
         if self.humps.top() <= 0.0 {
             return 0.0;
         }
-        let [nx, ny] = self.samples.counts;
-        let columns = self.around(x - around, x + around, 0, nx - 1);
-        let rows = self.around(y - around, y + around, 1, ny - 1);
-        self.humps.highest([columns, rows]).max(0.0)
+        self.humps.highest(self.square(x, y, around)).max(0.0)
     }
 
     /// How far places within `around`, m, of a point lie from each other if they are told apart, m.

@@ -29,7 +29,8 @@ impl Field {
         (excess * excess).min(1.0)
     }
 
-    /// The same between samples, interpolated; 0 beyond the end.
+    /// How sharp the surface is at a place, 0 … 1: as its samples are, interpolated between them; 0
+    /// beyond the end.
     pub fn sharp(&self, x: f64, y: f64) -> f64 {
         let (Some((i, u)), Some((j, v))) = (self.cell_at(x, 0), self.cell_at(y, 1)) else {
             return 0.0;

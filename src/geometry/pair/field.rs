@@ -8,7 +8,7 @@
 //!    from the tangent plane below it; what is round meets the surface where both have the same
 //!    normal, in a hollow that bends more than itself in each such place. With the shares that they
 //!    have on a plane, so that even terrain is a plane.
-//! 2. What bulges between these, see `bulge.rs`.
+//! 2. Places between these where the surface bulges towards the shape, see `bulge.rs`.
 //! 3. Sharp samples of the surface (spikes, crests, its rim) against the surface of the shape, with
 //!    the share [`crate::geometry::field::Field::sample`] gives them. Where the terrain is smooth
 //!    they have none.
@@ -19,6 +19,7 @@
 
 use super::bulge::{End, bulges};
 use super::core::{Core, Round, Solid};
+use super::deepest::Deepest;
 use super::foot::{Nearest, Place, nearest_from};
 use super::placed::Placed;
 use super::points::{PatchPoint, Side, point};
@@ -106,22 +107,12 @@ impl OnField<'_, '_> {
         None
     }
 
-    /// The tangent plane below a place: its normal, and how deep the place is in it.
-    fn below(&self, x: &Vec3) -> Option<(Vec3, f64)> {
-        let (height, n) = self.field.tangent(x.x, x.y)?;
-        Some((n, (height - x.z) * n.z))
-    }
-
-    /// The same, with the surface continued where other terrain goes on beyond its end.
+    /// The tangent plane below a place: its normal, and how deep the place is in it; with the
+    /// surface continued where other terrain goes on beyond its end.
     fn below_or_beyond(&self, x: &Vec3) -> Option<(Vec3, f64)> {
-        self.below(x).or_else(|| {
-            let over = [x.x, x.y];
-            if !self.field.goes_on(over) {
-                return None;
-            }
-            let [a, b] = self.field.within(over);
-            let (height, n) = self.field.tangent(a, b)?;
-            Some((n, n.dot(&(Vec3::new(a, b, height) - x))))
+        self.field.below(x).or_else(|| {
+            let on = self.field.goes_on([x.x, x.y]);
+            on.then(|| self.field.below_or_end(x))?
         })
     }
 
@@ -152,7 +143,7 @@ impl OnField<'_, '_> {
                 return;
             }
         }
-        let below = self.below(&x).or_else(|| {
+        let below = self.field.below(&x).or_else(|| {
             let core = shape.world(&shape.solid.core_corners[index]);
             let (height, n) = self.field.tangent(core.x, core.y)?;
             Some((n, n.dot(&(Vec3::new(core.x, core.y, height) - x))))
@@ -256,8 +247,7 @@ impl OnField<'_, '_> {
     /// - `low`: the lowest point of the shape, but for the rounding of its edges, m
     fn peaks(&mut self, around: f64, low: f64) {
         let (shape, field, reach) = (self.shape, self.field, self.sink.reach);
-        let mut best = [Peak::default(); MOST_PEAKS];
-        let mut count = 0;
+        let mut best = Deepest::<Peak, MOST_PEAKS>::new();
         field.each_peak((shape.p.x, shape.p.y, around), low - reach, |i, j| {
             if field.passes([i, j], &shape.p, shape.solid.reach + reach) {
                 return f64::NEG_INFINITY;
@@ -274,23 +264,15 @@ impl OnField<'_, '_> {
                     };
                     share > 0.0
                 }
-                && (count < MOST_PEAKS || depth > best[MOST_PEAKS - 1].depth)
             {
-                let at = best[..count].partition_point(|b| b.depth >= depth);
-                count = (count + 1).min(MOST_PEAKS);
-                best[at..count].rotate_right(1);
-                best[at] = Peak {
-                    x,
-                    normal,
-                    depth,
-                    share,
-                };
+                let peak = Peak { x, normal, share };
+                best.add(depth, peak);
             }
             f64::NEG_INFINITY
         });
-        for peak in &best[..count] {
-            let halfway = peak.x - peak.normal * (0.5 * peak.depth);
-            let found = point(halfway, peak.depth, peak.share);
+        for (depth, peak) in best.found() {
+            let halfway = peak.x - peak.normal * (0.5 * depth);
+            let found = point(halfway, *depth, peak.share);
             self.sink.add(&peak.normal, found);
         }
     }
@@ -330,7 +312,6 @@ struct Peak {
     x: Vec3,
     /// Into the shape.
     normal: Vec3,
-    depth: f64,
     share: f64,
 }
 

@@ -40,6 +40,7 @@ mod core;
 mod corners;
 mod cylinders;
 mod deep;
+mod deepest;
 mod edges;
 mod field;
 mod flush;

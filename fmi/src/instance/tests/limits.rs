@@ -113,12 +113,8 @@ fn steps_far_from_the_time_zero_are_as_legal_as_near_it() {
         (1e5, 1, 1e-4),
         (-1e10, 100, 0.01),
     ] {
-        let mut instance = instance();
         let stop = start + f64::from(count) * step;
-        let set_up = instance.setup_experiment(None, start, Some(stop));
-        set_up.expect("legal");
-        instance.enter_initialization_mode();
-        instance.exit_initialization_mode().expect("legal");
+        let mut instance = running_from(start, Some(stop));
         for k in 0..count {
             let point = start + f64::from(k) * step;
             assert_eq!(instance.do_step(point, step), Ok(Status::OK), "{start} {k}");
@@ -133,10 +129,7 @@ fn steps_far_from_the_time_zero_are_as_legal_as_near_it() {
 
 #[test]
 fn steps_far_from_the_time_zero_may_not_jump() {
-    let mut instance = instance();
-    instance.setup_experiment(None, 1.7e9, None).expect("legal");
-    instance.enter_initialization_mode();
-    instance.exit_initialization_mode().expect("legal");
+    let mut instance = running_from(1.7e9, None);
     for point in [1.7e9 - 0.5, 1.7e9 - 1e-4, 1.7e9 + 1e-4, 1.7e9 + 0.5] {
         assert!(matches!(
             instance.do_step(point, 0.01),
@@ -149,12 +142,7 @@ fn steps_far_from_the_time_zero_may_not_jump() {
 /// What is left to the stop time may be as short as round-off.
 #[test]
 fn a_step_that_ends_at_the_stop_time_is_legal_however_short() {
-    let mut instance = instance();
-    instance
-        .setup_experiment(None, 0.0, Some(1.0))
-        .expect("legal");
-    instance.enter_initialization_mode();
-    instance.exit_initialization_mode().expect("legal");
+    let mut instance = running_from(0.0, Some(1.0));
     let almost = 1.0 - 2.0 * f64::EPSILON;
     assert_eq!(instance.do_step(0.0, almost), Ok(Status::OK));
     assert_eq!(instance.do_step(almost, 1.0 - almost), Ok(Status::OK));
