@@ -2,8 +2,8 @@
 
 use crate::spatial::Vec3;
 
-/// Points of a patch, at most. Two boxes have eight; only faces with many corners have more than
-/// 24. What does not find a place is left out.
+/// Points of a patch, at most. Two boxes have eight; only faces with many corners, and what lies on
+/// many triangles of a mesh, have more than 24. Of those on terrain the deepest ones find a place.
 pub const MOST_POINTS: usize = 64;
 
 /// Distance within which two points of a patch are one, m.
@@ -112,19 +112,43 @@ impl Points {
 
     /// Adds a point; `from`: first of the points among which one in the same place may be.
     pub(super) fn add(&mut self, from: usize, point: PatchPoint) {
+        if let Some(point) = self.merge(from, point)
+            && self.count < MOST_POINTS
+        {
+            self.at[self.count] = point;
+            self.count += 1;
+        }
+    }
+
+    /// Adds a point. If there is no place left, the deeper ones stay: what a shape lies on shall
+    /// not depend on which of many triangles are found first.
+    pub(super) fn add_deeper(&mut self, point: PatchPoint) {
+        if self.count < MOST_POINTS {
+            return self.add(0, point);
+        }
+        let by_depth = |a: &&mut PatchPoint, b: &&mut PatchPoint| a.depth.total_cmp(&b.depth);
+        if let Some(point) = self.merge(0, point)
+            && let Some(least) = self.at.iter_mut().min_by(by_depth)
+            && least.depth < point.depth
+        {
+            *least = point;
+        }
+    }
+
+    /// Adds the share of a point to that of one in the same place; gives it back where there is
+    /// none.
+    fn merge(&mut self, from: usize, point: PatchPoint) -> Option<PatchPoint> {
         if point.share <= 0.0 {
-            return;
+            return None;
         }
         let same = |p: &&mut PatchPoint| {
             (p.x - point.x).amax() <= SAME && (p.depth - point.depth).abs() <= SAME
         };
-        let known = self.at[from..self.count].iter_mut().find(same);
-        if let Some(known) = known {
-            known.share += point.share;
-        } else if self.count < MOST_POINTS {
-            self.at[self.count] = point;
-            self.count += 1;
-        }
+        let Some(known) = self.at[from..self.count].iter_mut().find(same) else {
+            return Some(point);
+        };
+        known.share += point.share;
+        None
     }
 
     /// Multiplies the shares of the points from `from` on; drops these where that is zero.

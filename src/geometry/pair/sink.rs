@@ -40,7 +40,7 @@ impl<'a> Sink<'a> {
             rim.center = self.ground.world(&rim.center);
             (rim.axis, rim.a) = (R * rim.axis, R * rim.a);
         }
-        self.points.add(0, placed);
+        self.points.add_deeper(placed);
     }
 }
 

@@ -11,7 +11,8 @@
 //!
 //! A triangle carries a shape whose middle is in front of it, but not with a corner that lies
 //! beyond what is behind the triangle: the tip of a hull that has passed a wall is not as deep in
-//! its near side as the wall is thick, and more.
+//! its near side as the wall is thick, and more. Nor does it where its plane has come out of the
+//! ground again: of rough ground the plane of a triangle in a valley goes on over the next one.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -28,7 +29,7 @@ use crate::geometry::surface::{Crest, Facet, Surface};
 use crate::spatial::{Mat3, Vec3, across};
 use crate::tuning::{CREST_SLACK, EVEN_EDGE, SEAM};
 
-/// Most points on triangles that are looked at: the first found.
+/// Most points on triangles that are looked at: the deepest ones.
 const MOST_FOUND: usize = 64;
 
 /// A point of the shape on a triangle.
@@ -94,18 +95,30 @@ pub(super) fn on_surface(
         }
         own.each_on(shape, facet, sink.reach, |own, point, beside| {
             let corner = point.depth > rounding && rounding > 0.0;
-            if corner && is_beyond(surface, &facet.normal, &point) {
+            let n = &facet.normal;
+            if corner && (is_beyond(surface, n, &point) || is_off(surface, n, &point, rounding)) {
                 return;
             }
-            if count < MOST_FOUND {
-                found[count] = OnFacet {
+            let by_depth = |a: &usize, b: &usize| {
+                let [a, b] = [a, b].map(|i| found[*i].point.depth);
+                a.total_cmp(&b)
+            };
+            let place = if count < MOST_FOUND {
+                count += 1;
+                Some(count - 1)
+            } else {
+                (0..MOST_FOUND)
+                    .min_by(by_depth)
+                    .filter(|&i| found[i].point.depth < point.depth)
+            };
+            if let Some(place) = place {
+                found[place] = OnFacet {
                     own,
                     facet: index,
                     beside,
                     hidden: false,
                     point,
                 };
-                count += 1;
             }
         });
     };
@@ -170,6 +183,25 @@ fn is_beyond(surface: &Surface, n: &Vec3, point: &PatchPoint) -> bool {
             other.is_below(&place, 0.0)
         }
     })
+}
+
+/// Whether the place of a corner on the plane of a triangle is in front of the surface by more than
+/// `rounding`, m: beyond a hollow edge the plane goes on in what rises there, but not where lower
+/// ground begins behind that. The nearest triangle tells; where its nearest place is on an edge,
+/// the one of both triangles that faces the place most.
+fn is_off(surface: &Surface, n: &Vec3, point: &PatchPoint, rounding: f64) -> bool {
+    let place = point.x + n * (0.5 * point.depth);
+    let mut nearest = (f64::INFINITY, 0.0_f64);
+    surface.is_any_near(&place, 1.5 * point.depth, |facet| {
+        let apart = facet.apart(&place);
+        let (distance, front) = (apart.norm(), facet.normal.dot(&apart));
+        let nearer = distance < nearest.0 - SEAM;
+        if nearer || distance <= nearest.0 + SEAM && front.abs() > nearest.1.abs() + SEAM {
+            nearest = (distance, front);
+        }
+        false
+    });
+    nearest.1 > rounding
 }
 
 /// Adds the points of a shape on an edge.

@@ -167,6 +167,21 @@ impl Facet {
         self.normal.dot(&(x - self.corners[0]))
     }
 
+    /// From its nearest place to a point.
+    pub fn apart(&self, x: &Vec3) -> Vec3 {
+        if (0..3).all(|edge| self.inside(x, edge) >= 0.0) {
+            return self.normal * self.height(x);
+        }
+        let from = |edge: usize| {
+            let [a, b] = self.ends(edge);
+            let (along, from) = (b - a, x - a);
+            let place = along.dot(&from) / along.norm_squared();
+            from - along * place.clamp(0.0, 1.0)
+        };
+        let shorter = |a: Vec3, b: Vec3| if b.norm() < a.norm() { b } else { a };
+        shorter(shorter(from(0), from(1)), from(2))
+    }
+
     /// Both ends of an edge.
     pub(super) fn ends(&self, edge: usize) -> [Vec3; 2] {
         [self.corners[edge], self.corners[(edge + 1) % 3]]

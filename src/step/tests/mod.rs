@@ -21,6 +21,7 @@ mod deep;
 mod driven;
 mod dropped;
 mod ends;
+mod fine;
 mod fixed;
 mod frames;
 mod free;
