@@ -26,10 +26,10 @@ pub struct SavedStateError {
 }
 
 const MAGIC: &[u8; 4] = b"U2FS";
-const VERSION: u32 = 13;
+const VERSION: u32 = 14;
 
 /// Bytes of a saved touch: slot and numbers.
-const TOUCH: usize = 64;
+const TOUCH: usize = 72;
 /// Bytes of a saved load: slot and force.
 const LOAD: usize = 32;
 
@@ -207,7 +207,7 @@ impl Snapshot {
         }
         for _ in 0..touches {
             let slot = usize::try_from(reader.integer()).unwrap_or(usize::MAX);
-            let mut numbers = [0.0; 7];
+            let mut numbers = [0.0; 8];
             reader.numbers(&mut numbers);
             let ascending = snapshot
                 .state

@@ -142,8 +142,8 @@ spoil!(PointResponse: weight bend impulse rock rocking tilting lean end;);
 spoil!(PointVelocity: along tilt;);
 spoil!(TurnResponse: impulse normal tangential slip;);
 spoil!(JointResponse: impulse stiffness effort;);
-spoil!(Touch: slot displacement turn bounce;);
-spoil!(Memory: touches motor dry;);
+spoil!(Touch: slot displacement turn bounce sliding;);
+spoil!(Memory: touches motor dry sliding;);
 spoil!(Trend: first whole;);
 spoil!(Responses: contacts points turns joints springs;);
 spoil!(Velocities: contacts points turns springs;);
@@ -152,7 +152,7 @@ spoil!(Terms: contacts turns joints springs;);
 spoil!(Other: body from axes;);
 spoil!(
     Contact: body other link other_link slot thickness mass normal uneven points depth weights
-    spring damping load tilting bounce duration center radius drift rise carried rubbing mu friction;
+    spring damping load tilting bounce duration center radius drift rise carried rubbing mu wound friction;
 );
 spoil!(ContactPoint: corner x normal row arm depth share load rim;);
 
@@ -170,6 +170,7 @@ impl Spoil for JointTerm {
             actuator,
             damping,
             dry,
+            wound,
             gap,
             limit,
             drive,
@@ -177,7 +178,7 @@ impl Spoil for JointTerm {
             speed_limit,
             speed_damping,
         } = self;
-        for number in [damping, speed_limit, speed_damping] {
+        for number in [damping, wound, speed_limit, speed_damping] {
             number.spoil();
         }
         dry.spoil();

@@ -146,6 +146,7 @@ macro_rules! fields {
             & $($mutable)? physical.v,
             & $($mutable)? physical.memory.motor,
             & $($mutable)? physical.memory.dry,
+            & $($mutable)? physical.memory.sliding,
             & $($mutable)? stepping.sizes.proposed,
             & $($mutable)? stepping.sizes.floor,
             & $($mutable)? stepping.trend.first,
@@ -164,7 +165,7 @@ macro_rules! fields {
 }
 
 /// Length of the list of fields.
-pub const FIELDS: usize = 18;
+pub const FIELDS: usize = 19;
 
 impl Physical {
     /// All zero, quaternions at identity.

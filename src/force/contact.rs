@@ -173,8 +173,10 @@ pub struct Contact {
     pub carried: Vec3,
     /// Share of its friction that it has: less than 1 of a deep overlap.
     pub rubbing: f64,
-    /// Coulomb coefficient at the sliding speed at the start of the step.
+    /// Coulomb coefficient at the speed of the slip at the start of the step.
     pub mu: f64,
+    /// See [`ElastoPlastic::wound`], m/s; 0 where friction is not higher at rest.
+    pub wound: f64,
     /// Friction in the tangent plane, and along the normal against drilling; world axes. It slips
     /// at `μ` times a normal force that is known: that at the start of the step, until a solve has
     /// found one.

@@ -52,6 +52,8 @@ pub struct JointTerm {
     pub damping: f64,
     /// Dry friction; cap 0 without.
     pub dry: ElastoPlastic<f64>,
+    /// See [`ElastoPlastic::wound`], rad/s or m/s; 0 where friction is not higher at rest.
+    pub wound: f64,
     /// Distance to the lower and the upper limit; infinite without, rad or m.
     pub gap: [f64; 2],
     /// Law of the limits.
@@ -194,7 +196,7 @@ impl JointTerm {
         if friction.at_rest <= friction.moving || self.dry.respond(v, h).slip == 0.0 {
             return 0.0;
         }
-        self.dry.cap - cap(friction, v)
+        self.dry.cap - cap(friction, self.dry.sliding(v, self.wound, h) * v)
     }
 
     /// Whether each of the limits acts at the end of a step of `h` seconds with the velocity `v`
@@ -268,7 +270,14 @@ impl JointTerm {
         };
         self.speed_limit = tree.dofs.speed_limit[dof];
         self.speed_damping = tree.dofs.speed_damping[dof];
-        self.dry = dry_friction(s, dof);
+        let (speed, sliding) = (s.v[dof].abs(), s.memory.sliding[dof]);
+        self.dry = dry_friction(s, dof, sliding * speed);
+        let friction = &tree.dofs.friction[dof];
+        self.wound = if friction.at_rest > friction.moving {
+            ElastoPlastic::<f64>::wound(speed, sliding)
+        } else {
+            0.0
+        };
         if let Some(limits) = &tree.dofs.limits[dof] {
             let q = s.q[self.coordinate];
             self.gap = [q - limits.lower, limits.upper - q];
@@ -362,15 +371,15 @@ fn cap(friction: &DryFriction, v: f64) -> f64 {
     }
 }
 
-/// Dry friction of a degree of freedom at the start of a step.
-fn dry_friction(s: &Start, dof: usize) -> ElastoPlastic<f64> {
+/// Dry friction of a degree of freedom that slips at `speed`, rad/s or m/s, at the start of a step.
+fn dry_friction(s: &Start, dof: usize, speed: f64) -> ElastoPlastic<f64> {
     let friction = &s.tree.dofs.friction[dof];
     if friction.moving <= 0.0 {
         return ElastoPlastic::default();
     }
     let stiffness = friction.moving / FRICTION_DEFLECTION;
     ElastoPlastic {
-        cap: cap(friction, s.v[dof]),
+        cap: cap(friction, speed),
         stiffness,
         damping: 2.0 * (stiffness * s.tree.dofs.inertia[dof]).sqrt(),
         displacement: s.memory.dry[dof],

@@ -89,7 +89,11 @@ impl Meeting<'_> {
         let overlap = contact.depth / contact.spring.reference;
         let rubbing = (SMOOTH_OVERLAP - overlap) / (SMOOTH_OVERLAP - DEEP_OVERLAP);
         contact.rubbing = rubbing.clamp(0.0, 1.0);
-        contact.mu = friction(tree, surface, &tangential) * contact.rubbing;
+        let sliding = tangential.norm();
+        if surface.mu_at_rest > surface.mu {
+            contact.wound = ElastoPlastic::<Vec3>::wound(sliding, stored.sliding);
+        }
+        contact.mu = friction(tree, surface, stored.sliding * sliding) * contact.rubbing;
         let [load, elastic] = contact.loads(speed);
         // An impact presses with more than the spring does, and its friction is as much quicker:
         // with the damper of a load at rest it gave way sideways first, and when it had caught up
@@ -155,12 +159,12 @@ impl Meeting<'_> {
     }
 }
 
-/// Coulomb coefficient of a contact that slides at `u`.
+/// Coulomb coefficient of a contact that slips at `speed`, m/s.
 #[inline]
-fn friction(tree: &Tree, surface: &Surface, u: &Vec3) -> f64 {
+fn friction(tree: &Tree, surface: &Surface, speed: f64) -> f64 {
     if surface.mu_at_rest > surface.mu {
         let reference = tree.contact.stribeck_velocity;
-        stribeck(surface.mu_at_rest, surface.mu, u.norm(), reference)
+        stribeck(surface.mu_at_rest, surface.mu, speed, reference)
     } else {
         surface.mu
     }

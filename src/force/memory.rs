@@ -8,7 +8,7 @@ use crate::tuning::TANGENTIAL_RATIO;
 use std::iter::Peekable;
 
 /// What a contact remembers from step to step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
     /// Index of the shape, or that of a pair of shapes: see [`Model::slots`].
     pub slot: usize,
@@ -21,22 +21,33 @@ pub struct Touch {
     /// Dissipation with which it bounces, of its touch-down or of a faster impact that has come
     /// through others since, s/m; 0 for a contact that does not.
     pub bounce: f64,
+    /// Share of its sliding speed that the spring of its friction does not take up, 0 … 1: 0 where
+    /// it sticks, 1 where nothing is known.
+    pub sliding: f64,
+}
+
+impl Default for Touch {
+    fn default() -> Self {
+        Self::from_numbers(0, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    }
 }
 
 impl Touch {
     /// Every number that is stored of it but the slot, in saved order.
-    pub fn numbers(&self) -> [f64; 7] {
+    pub fn numbers(&self) -> [f64; 8] {
         let ([x, y, z], [a, b, c]) = (self.displacement, self.turn);
-        [x, y, z, a, b, c, self.bounce]
+        [x, y, z, a, b, c, self.bounce, self.sliding]
     }
 
     /// The inverse of [`Self::numbers`].
-    pub fn from_numbers(slot: usize, [x, y, z, a, b, c, bounce]: [f64; 7]) -> Self {
+    pub fn from_numbers(slot: usize, numbers: [f64; 8]) -> Self {
+        let [x, y, z, a, b, c, bounce, sliding] = numbers;
         Self {
             slot,
             displacement: [x, y, z],
             turn: [a, b, c],
             bounce,
+            sliding,
         }
     }
 }
@@ -50,6 +61,8 @@ pub struct Memory {
     pub motor: Vec<f64>,
     /// Elastic displacement of the dry friction of each degree of freedom, rad or m.
     pub dry: Vec<f64>,
+    /// What [`Touch::sliding`] is, of the dry friction of each degree of freedom.
+    pub sliding: Vec<f64>,
 }
 
 impl Memory {
@@ -59,6 +72,7 @@ impl Memory {
             touches: Vec::with_capacity(model.contact_room()[0]),
             motor: vec![0.0; model.actuators.len()],
             dry: vec![0.0; model.nv()],
+            sliding: vec![1.0; model.nv()],
         }
     }
 
@@ -68,6 +82,7 @@ impl Memory {
         self.touches.extend_from_slice(&other.touches);
         self.motor.copy_from_slice(&other.motor);
         self.dry.copy_from_slice(&other.dry);
+        self.sliding.copy_from_slice(&other.sliding);
     }
 }
 

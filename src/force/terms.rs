@@ -343,11 +343,13 @@ impl Terms {
             let turns = turn.is_some_and(|(turn, _)| turn.holds());
             if contact.friction.cap > 0.0 || turns || bounce > 0.0 {
                 let angle = turn.map(|(turn, w)| turn.next_displacement(w, h));
+                let (friction, u) = (&contact.friction, contact.slid(v));
                 memory.touches.push(Touch {
                     slot: contact.slot,
-                    displacement: contact.keep_slip(&contact.friction.next(contact.slid(v), h)),
+                    displacement: contact.keep_slip(&friction.next(u, h)),
                     turn: contact.keep(&angle.unwrap_or_default()),
                     bounce,
+                    sliding: friction.sliding(u, contact.wound, h),
                 });
             }
         }
@@ -357,6 +359,7 @@ impl Terms {
                 memory.motor[index] = term.next_motor(v, h);
             }
             memory.dry[term.dof] = term.dry.next_under_falling_cap(v, h);
+            memory.sliding[term.dof] = term.dry.sliding(v, term.wound, h);
         }
     }
 
@@ -365,6 +368,7 @@ impl Terms {
         memory.touches.clear();
         for term in &self.joints {
             memory.dry[term.dof] = 0.0;
+            memory.sliding[term.dof] = 1.0;
             if let Some(index) = term.actuator {
                 memory.motor[index] = 0.0;
             }

@@ -10,8 +10,11 @@
 //!    damper leaves of `F`. Along the slip it may only approach that value, see
 //!    `ElastoPlastic::slipped`.
 //!
-//! Where friction at rest is higher than sliding friction, the cap follows the speed at the start
-//! of the step (Stribeck): within the step it is constant, which keeps the law convex.
+//! Where friction at rest is higher than sliding friction, the cap follows the speed of the slip at
+//! the start of the step (Stribeck): within the step it is constant, which keeps the law convex. The
+//! slip is what the spring does not take up, `s = |u| − w`. While the element sticks, `w = |u|`:
+//! a load that sets in yields by the spring, at any speed, and friction at rest holds it. From where
+//! it slips on the spring is stretched at `w = (F̄ − k ς)/d`, which dies within its own time `d/k`.
 //!
 //! Source: Castro et al. 2022 (the force is the gradient of the Moreau envelope of Coulomb's
 //! dissipation); Armstrong-Hélouvry, Dupont & Canudas de Wit 1994 for the Stribeck curve.
@@ -150,6 +153,32 @@ impl<X: Vector> ElastoPlastic<X> {
         let (before, after) = (slip.dot(&self.displacement), slip.dot(&settled));
         let next = settled + slip * (self.slipped(before, after, h) - after);
         next.clip(self.cap / self.stiffness)
+    }
+
+    /// Share of the relative velocity `u` at the end of a step of `h` seconds that the spring does
+    /// not take up, 0 … 1. At the start it has taken up the speed `wound`; infinite where the
+    /// element stuck: then the slip begins where spring and damper give the cap.
+    #[inline]
+    pub fn sliding(&self, u: X, wound: f64, h: f64) -> f64 {
+        let speed = u.dot(&u).sqrt();
+        let slip = self.respond(u, h).slip;
+        if slip.dot(&slip) <= 0.0 || speed <= 0.0 {
+            return 0.0;
+        }
+        let left = (self.cap - self.stiffness * slip.dot(&self.displacement)).max(0.0);
+        let wound = left.min(wound * self.damping) / (self.damping + h * self.stiffness);
+        (1.0 - wound / speed).max(0.0)
+    }
+
+    /// Speed that the spring takes up at the start of a step, where the relative speed is `speed`
+    /// and this share of it `sliding`, as [`Self::sliding`] has it.
+    #[inline]
+    pub fn wound(speed: f64, sliding: f64) -> f64 {
+        if sliding > 0.0 {
+            speed * (1.0 - sliding)
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// Displacement along the slip after a step of `h` seconds in which the element slips.

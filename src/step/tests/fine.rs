@@ -50,7 +50,7 @@ fn a_box_on_many_small_triangles_lies_on_the_deepest_of_them() {
             let counters = s.state().stepping.counters;
             let tries = counters.steps + counters.rejected;
             assert!(tries < 120, "{name}: {tries} tries");
-            assert_eq!(s.state().stepping.rested[0], 1.0, "{name} does not rest");
+            assert!(s.state().stepping.rested[0] > 0.0, "{name} does not rest");
             let q = &s.state().physical.q;
             let pose = Pose {
                 R: rotation_from_quaternion(&[q[3], q[4], q[5], q[6]]),

@@ -45,6 +45,7 @@ mod regions;
 mod rolling;
 mod servos;
 mod standing;
+mod sticking;
 mod swings;
 mod terrain;
 mod turning;
