@@ -88,6 +88,7 @@ mod ways;
 mod wheels;
 mod world;
 
+use crate::pattern::names_last;
 use crate::settings::{Compat, InertiaSource, MeshCollision, Settings};
 use crate::urdf::{ImpossibleInertia, MeshShapes, MissingMass, ReadOptions};
 pub use alone::{Assembled, build, inspect};
@@ -113,9 +114,7 @@ pub fn read_options(settings: &Settings, options: ReadOptions) -> ReadOptions {
         pybullet: settings.compat == Compat::PyBullet
             || settings.inertia == InertiaSource::PyBullet,
         sensors: settings.described_sensors,
-        meshes: settings
-            .links
-            .iter()
+        meshes: names_last(&settings.links, |entry| &entry.link)
             .filter_map(|entry| {
                 let shapes = match entry.collision? {
                     MeshCollision::Hull => MeshShapes::Hull,

@@ -42,6 +42,14 @@ impl Pattern {
     }
 }
 
+/// Entries in the order in which they count, the last one most: globs before plain names, and each
+/// as given. A file's tables have no order of their own that could decide between the two.
+pub fn names_last<T>(entries: &[T], pattern: impl Fn(&T) -> &Pattern) -> impl Iterator<Item = &T> {
+    let (globs, names): (Vec<&T>, Vec<&T>) =
+        entries.iter().partition(|entry| pattern(entry).is_glob());
+    globs.into_iter().chain(names)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -54,5 +62,14 @@ mod tests {
         assert!(!matches("wheel", "left_wheel"));
         assert!(matches("*", ""));
         assert!(Pattern::from("a*").is_glob() && !Pattern::from("a").is_glob());
+    }
+
+    #[test]
+    fn plain_names_come_after_globs_and_each_in_its_order() {
+        let given = ["w1", "w*", "w0", "*"].map(Pattern::from);
+        let order: Vec<&str> = names_last(&given, |pattern| pattern)
+            .map(|pattern| pattern.text.as_str())
+            .collect();
+        assert_eq!(order, ["w*", "*", "w1", "w0"]);
     }
 }

@@ -11,7 +11,7 @@ use crate::initial::initial_state;
 use crate::kinematics::Kinematics;
 use crate::model::{Collider, JointId, JointKind, LinkId, Model, RootId};
 use crate::parameters::Parameters;
-use crate::pattern::Pattern;
+use crate::pattern::{Pattern, names_last};
 use crate::settings::Settings;
 use crate::spatial::{Pose, Vec3, rpy_from_rotation};
 use crate::tree::{Tree, TreeCollider};
@@ -156,12 +156,9 @@ fn values(
             None => None,
         }
     };
-    for (pattern, value) in given {
+    for (pattern, value) in names_last(given, |(pattern, _)| pattern) {
         for j in findings.select(pattern, "joint", &names, unsuitable) {
-            let named = values[j].as_ref().is_some_and(|(_, p)| !p.is_glob());
-            if !(named && pattern.is_glob()) {
-                values[j] = Some((*value, pattern.clone()));
-            }
+            values[j] = Some((*value, pattern.clone()));
         }
     }
     values

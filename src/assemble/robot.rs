@@ -8,6 +8,7 @@ use super::masses::{given_inertia, link_inertia, report_missing_masses, weighed}
 use crate::diagnostic::Place;
 use crate::geometry::Shape;
 use crate::model::{ActuatorMode, Joint, JointKind, Limits, Link};
+use crate::pattern::names_last;
 use crate::settings::{
     Compat, InertiaSource, JointSettings, LinkSettings, STATIC_FRICTION_HELP, Settings, WheelFit,
     static_excess,
@@ -208,7 +209,7 @@ fn contact_points(shape: &Shape) -> f64 {
     }
 }
 
-/// What the settings say about each joint; later entries win.
+/// What the settings say about each joint; later entries win, plain names over globs.
 fn joint_overrides(
     description: &Description,
     settings: &[JointSettings],
@@ -216,7 +217,7 @@ fn joint_overrides(
 ) -> Vec<JointSettings> {
     let names: Vec<&str> = description.joints.iter().map(|j| j.name.as_str()).collect();
     let mut merged = vec![JointSettings::new(""); names.len()];
-    for entry in settings {
+    for entry in names_last(settings, |entry| &entry.joint) {
         let limited = entry.lower.is_some() || entry.upper.is_some();
         let unsuitable = |j: usize| {
             let kind = description.joints[j].kind;
@@ -251,7 +252,7 @@ fn joint_overrides(
     merged
 }
 
-/// What the settings say about each link; later entries win.
+/// What the settings say about each link; later entries win, plain names over globs.
 fn link_overrides(
     description: &Description,
     settings: &Settings,
@@ -259,7 +260,7 @@ fn link_overrides(
 ) -> Vec<LinkSettings> {
     let names: Vec<&str> = description.links.iter().map(|l| l.name.as_str()).collect();
     let mut merged = vec![LinkSettings::new(""); names.len()];
-    for entry in &settings.links {
+    for entry in names_last(&settings.links, |entry| &entry.link) {
         let unsuitable = |l: usize| {
             let meshes = description.links[l]
                 .collisions

@@ -1,6 +1,9 @@
 //! Names, limits, friction and damping: what the file says and what the settings put in its place.
 
 use super::*;
+use crate::assemble::read_options;
+use crate::settings::Settings;
+use crate::urdf::ReadOptions;
 
 #[test]
 fn names_and_globs_that_match_nothing_name_the_nearest() {
@@ -91,6 +94,37 @@ fn settings_replace_the_file_s_joint_and_link_properties() {
     // The inertia of the 5 kg ball doubles: 2 · (2/5) 5 0.1².
     assert!(close(chassis.inertia.I_cm[(0, 0)], 0.04));
     assert!(close(model.links[1].friction, 0.8));
+}
+
+/// TOML gives tables no order, so the order of a file must not decide between a name and a glob.
+#[test]
+fn plain_names_win_over_globs_wherever_they_stand() {
+    let glob = "[joint.\"*\"]\ndamping = 1\nfriction = 2\n[link.\"*\"]\nfriction = 0.9\n\
+                collision = \"hull\"\n";
+    let name = "[joint.left]\ndamping = 4\n[link.chassis]\nfriction = 0.1\n\
+                collision = \"objects\"\n";
+    for text in [format!("{glob}{name}"), format!("{name}{glob}")] {
+        let settings = Settings::parse(&text, "test.toml").expect("legal settings");
+        let read = read_options(&settings, ReadOptions::default());
+        let last = read.meshes.last().map(|(pattern, _)| pattern.text.as_str());
+        assert_eq!(last, Some("chassis"), "{text}");
+        // The robot has no meshes.
+        let model = model(
+            &cart(),
+            &text
+                .replace("collision = \"hull\"\n", "")
+                .replace("collision = \"objects\"\n", ""),
+        );
+        assert!(close(model.joints[0].damping, 4.0) && close(model.joints[1].damping, 1.0));
+        assert!(close(model.joints[0].friction, 2.0), "{text}");
+        assert!(close(model.links[0].friction, 0.1) && close(model.links[1].friction, 0.9));
+    }
+    // Of two globs the later one counts.
+    let model = model(
+        &cart(),
+        "[link.\"c*\"]\nfriction = 0.1\n[link.\"*\"]\nfriction = 0.9",
+    );
+    assert!(close(model.links[0].friction, 0.9));
 }
 
 #[test]
