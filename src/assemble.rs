@@ -62,6 +62,7 @@
 //! | A141 | the initial pose that closes the loops |
 //! | A142 | what Model Exchange has no equations for |
 //! | A143 | gravity that points upwards |
+//! | A144 | settings that change nothing |
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -72,6 +73,7 @@ mod bodies;
 mod exchange;
 mod findings;
 mod guests;
+mod idle;
 mod inertia;
 mod initial;
 mod loops;

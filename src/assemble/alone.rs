@@ -3,8 +3,8 @@
 use super::findings::Findings;
 use super::robot::Robot;
 use super::{
-    actuators, base, bodies, exchange, inertia, initial, loops, mimic, outputs, pairs, sensors,
-    touch, ways, wheels,
+    actuators, base, bodies, exchange, idle, inertia, initial, loops, mimic, outputs, pairs,
+    sensors, touch, ways, wheels,
 };
 use crate::diagnostic::Diagnostic;
 use crate::digits::Digits;
@@ -31,7 +31,10 @@ pub struct Assembled {
 /// Everything that is wrong, with the notes and warnings found on the way.
 pub fn build(description: &Description, settings: &Settings) -> Result<Assembled, Vec<Diagnostic>> {
     match attempt(description, settings) {
-        (Some(model), diagnostics, false) => Ok(Assembled { model, diagnostics }),
+        (Some(model), mut diagnostics, false) => {
+            diagnostics.extend(idle::of_world(&model, settings));
+            Ok(Assembled { model, diagnostics })
+        }
         (_, findings, _) => Err(findings),
     }
 }
@@ -116,6 +119,7 @@ fn assemble(
     let poses = inertia::complete(&mut model, poses, shapes, lines, settings, findings);
     initial::height(&mut model, &poses, settings, findings);
     warn_of_gravity(&model.world.gravity, findings);
+    idle::report(&model, settings, findings);
     actuators::add(&mut model, &poses, &robot.lines, settings, findings);
     actuators::report_velocity_limits(&model, findings);
     wheels::warn(&model, &poses, &polygons, findings);

@@ -14,8 +14,9 @@ pub(super) fn called(kind: RootKind, name: &str) -> String {
 /// A finding in a guest as it is told: it says whose it is, and advises what can be done in the
 /// settings of the world. None for what goes without saying.
 pub(super) fn told(mut finding: Diagnostic, kind: RootKind, name: &str) -> Option<Diagnostic> {
-    // Gravity is the world's, and has been told of the robot.
-    if finding.code == "A143" {
+    // Gravity is the world's, and so is the mass that links of objects may lack: both have been
+    // told of the robot.
+    if finding.code == "A143" || kind == RootKind::Object && finding.code == "A144" {
         return None;
     }
     if kind == RootKind::Object {

@@ -3,6 +3,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::findings::{Findings, counted, listed};
+use super::idle;
 use super::initial::Poses;
 use super::robot::Lines;
 use crate::dynamics::crba;
@@ -51,7 +52,7 @@ pub(super) fn complete(
     loop {
         let weak = match weak(model, &poses) {
             Weak::Dofs(dofs) if dofs.is_empty() => {
-                report_filled(model, &filled, findings);
+                report_filled(model, &filled, settings, findings);
                 return poses;
             }
             Weak::Dofs(dofs) => dofs,
@@ -103,8 +104,14 @@ fn fill(inertia: &mut RigidInertia, mass: f64, shapes: &[CollisionDescription]) 
 }
 
 /// Which links got a mass or an inertia that their file does not give.
-fn report_filled(model: &Model, filled: &BTreeSet<usize>, findings: &mut Findings) {
+fn report_filled(
+    model: &Model,
+    filled: &BTreeSet<usize>,
+    settings: &Settings,
+    findings: &mut Findings,
+) {
     if filled.is_empty() {
+        idle::of_missing_mass(settings, findings);
         return;
     }
     let links = filled.iter().map(|&l| &model.links[l]);

@@ -3,7 +3,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::findings::{Findings, counted, listed};
-use super::pybullet;
+use super::{idle, pybullet};
 use crate::settings::{Compat, InertiaSource, LinkSettings, Settings};
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
 use crate::urdf::solids::{of_density, of_solids};
@@ -40,7 +40,9 @@ pub(super) fn report_missing_masses(
         .iter()
         .filter_map(|link| Some((link.name.as_str(), weighed(link, settings)?.mass)))
         .collect();
-    if !dense.is_empty() {
+    if dense.is_empty() {
+        idle::of_density(settings, findings);
+    } else {
         let names: Vec<&str> = dense.iter().map(|&(name, _)| name).collect();
         let total: f64 = dense.iter().map(|(_, mass)| mass).sum();
         let message = format!(

@@ -10,7 +10,7 @@ use super::findings::{Findings, first_of_many};
 use super::guests::{called, of_guest, told};
 use super::terrain::{self, has_terrain};
 use super::touch::overlaps;
-use super::{exchange, loops, outputs, pairs};
+use super::{exchange, idle, loops, outputs, pairs};
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::geometry::Shape;
 use crate::model::{Ground, Interface, JointKind, Model, RootKind};
@@ -105,6 +105,13 @@ pub fn world(
     for guest in guests {
         add(attempt(&guest.description, &guest.settings), Some(guest));
     }
+    // The mass that links lack is that of all objects, too, and one may need it.
+    if findings
+        .iter()
+        .any(|d| d.code == "A138" && d.message.contains("by missing_mass"))
+    {
+        findings.retain(|d| d.code != "A144" || !d.message.starts_with("the missing_mass"));
+    }
     if models.len() <= guests.len() {
         return Err(findings);
     }
@@ -137,6 +144,7 @@ pub fn world(
         return Err(findings);
     }
     findings.extend(warnings(&model));
+    findings.extend(idle::of_world(&model, settings));
     Ok(Assembled {
         model,
         diagnostics: first_of_many(findings),

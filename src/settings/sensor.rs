@@ -193,7 +193,13 @@ fn check_keys(reader: &mut Reader, section: &Section, word: &str) {
         }
     }
     let rate = section.entry("rate").is_some() || is_rejected(section, "rate");
-    if let (false, Some(entry)) = (rate, section.entry("seed")) {
+    let noisy = QUANTITIES.iter().filter(|(kind, _)| *kind == word);
+    let noisy = noisy.map(|(_, key)| *key).any(|quantity| {
+        let table = section.table(quantity);
+        let has = |key| table.entry(key).is_some() || is_rejected(&table, key);
+        has("noise") || has("noise_density") || is_rejected(section, quantity)
+    });
+    if let (false, Some(entry)) = (rate && noisy, section.entry("seed")) {
         let message = "'seed' has no meaning for a sensor without noise";
         let help = "give it a noise and a rate, or leave it out";
         reader.error("S106", &entry.span.clone(), message, help);

@@ -31,6 +31,13 @@ const KEYS: [(&str, &[&str]); 3] = [
     ("mesh", &["file", "scale"]),
 ];
 
+/// Which of them belong to which form of heights that are generated.
+const FORMS: [(&str, &[HeightForm]); 3] = [
+    ("wavelength", &[HeightForm::Waves, HeightForm::Noise]),
+    ("seed", &[HeightForm::Noise]),
+    ("steps", &[HeightForm::Steps]),
+];
+
 /// All terrain in file order, each as an object that never moves.
 pub(super) fn terrain(reader: &mut Reader, section: &Section) -> Vec<ObjectSettings> {
     let tables = section.tables("terrain");
@@ -173,6 +180,14 @@ fn generated(
     form: HeightForm,
     size: [f64; 2],
 ) -> GeneratedHeights {
+    for (key, forms) in FORMS {
+        if let (false, Some(entry)) = (forms.contains(&form), section.entry(key)) {
+            let word = section.word("generate").unwrap_or_default();
+            let message = format!("'{key}' means nothing for generate = \"{word}\"");
+            let help = "leave it out, or correct 'generate'";
+            reader.error("S106", &entry.span.clone(), message, help);
+        }
+    }
     let longest = size[0].max(size[1]);
     let wavelength = section.number("wavelength").unwrap_or(longest / 10.0);
     let has_waves = matches!(form, HeightForm::Waves | HeightForm::Noise);

@@ -17,6 +17,7 @@ use JointKind::{Continuous, Fixed, Floating, Planar, Prismatic, Revolute, Spheri
 mod actuators;
 mod base;
 mod bodies;
+mod idle;
 mod inertia;
 mod initial;
 mod loops;

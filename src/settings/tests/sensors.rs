@@ -38,6 +38,21 @@ fn sensors_refuse_what_they_cannot_be() {
         (imu, "rate = -5", "S104", 4, "1e-3"),
         (imu, "rate = nan", "S104", 4, "nan"),
         (imu, "seed = 2", "S106", 4, "noise"),
+        (imu, "rate = 9\nseed = 2", "S106", 5, "noise"),
+        (
+            imu,
+            "rate = 9\nseed = 2\nangular_velocity.bias = [1, 1, 1]",
+            "S106",
+            5,
+            "noise",
+        ),
+        (
+            encoder,
+            "counts = 10\nrate = 9\nseed = 2",
+            "S106",
+            6,
+            "noise",
+        ),
         (imu, "rays = 2", "S106", 4, "imu"),
         (
             imu,

@@ -101,6 +101,21 @@ fn terrain_refuses_what_means_nothing() {
             "height",
         ),
         (
+            &format!("{field}generate = \"waves\"\nseed = 1"),
+            "S106",
+            "'seed' means nothing for generate = \"waves\"",
+        ),
+        (
+            &format!("{field}generate = \"noise\"\nsteps = 3"),
+            "S106",
+            "steps",
+        ),
+        (
+            &format!("{field}generate = \"ramp\"\nwavelength = 1"),
+            "S106",
+            "wavelength",
+        ),
+        (
             &format!("{field}generate = \"noise\"\nfoo = 1"),
             "S102",
             "foo",

@@ -1,0 +1,97 @@
+//! Settings that change nothing.
+//!
+//! A key whose effect depends on another one, in a table of its own or in the URDF, is judged here,
+//! when all of them are known. What one table says in vain by itself is an error of the settings.
+
+use super::findings::Findings;
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::model::{Combination, Joint, JointKind, Link, Model};
+use crate::pattern::Pattern;
+use crate::settings::{Compat, Settings};
+
+/// Warns of the tables of joints and links that have a key in vain, each at its place.
+pub(super) fn report(model: &Model, settings: &Settings, findings: &mut Findings) {
+    if findings.has_errors() {
+        // They may be about the very keys that are missing.
+        return;
+    }
+    for entry in &settings.joints {
+        let moves = |joint: &&Joint| joint.kind != JointKind::Fixed;
+        let mut meant = matching(&entry.joint, &model.joints, |joint| &joint.name).filter(moves);
+        if entry.stribeck_velocity.is_some() && meant.all(|joint| joint.static_excess <= 0.0) {
+            let message = format!(
+                "'stribeck_velocity' of [joint.\"{}\"] changes nothing: friction falls from \
+                 static_friction, which is not above friction here",
+                entry.joint.text
+            );
+            let help = "set static_friction of the joint above its friction, or leave it out";
+            findings.warning("A144", entry.joint.place.clone(), message, help);
+        }
+    }
+    // Where coefficients are multiplied, the other side may keep a link from bouncing.
+    let own_counts = model.world.combination == Combination::Mean;
+    for entry in settings.links.iter().filter(|_| own_counts) {
+        let mut meant = matching(&entry.link, &model.links, |link: &Link| &link.name);
+        if entry.dissipation.is_some() && meant.all(|link| link.restitution > 0.0) {
+            let message = format!(
+                "'dissipation' of [link.\"{}\"] changes nothing: restitution takes its place, which \
+                 is not 0 here",
+                entry.link.text
+            );
+            let help = "leave one of the two out; restitution = 0 keeps the dissipation";
+            findings.warning("A144", entry.link.place.clone(), message, help);
+        }
+    }
+}
+
+/// What a pattern means.
+fn matching<'m, T>(
+    pattern: &'m Pattern,
+    all: &'m [T],
+    name: impl Fn(&T) -> &String + 'm,
+) -> impl Iterator<Item = &'m T> {
+    all.iter().filter(move |one| pattern.matches(name(one)))
+}
+
+/// A warning of the law of contact where nothing in the world has a use for it.
+pub(super) fn of_world(model: &Model, settings: &Settings) -> Option<Diagnostic> {
+    let set = model.contact.stribeck_velocity;
+    let own = Settings::of(settings.compat).contact.stribeck_velocity;
+    let ground = model.world.ground.iter().map(|ground| ground.static_excess);
+    let mut excess = model.links.iter().map(|l| l.static_excess).chain(ground);
+    (set.to_bits() != own.to_bits() && excess.all(|excess| excess <= 0.0)).then(|| Diagnostic {
+        severity: Severity::Warning,
+        code: "A144",
+        message: "'stribeck_velocity' of [contact] changes nothing: friction falls from \
+                  static_friction, and neither a link nor the ground has one above its friction"
+            .to_owned(),
+        help: Some(
+            "set static_friction in [link.\"…\"] or [world.ground], or leave it out".to_owned(),
+        ),
+        place: None,
+    })
+}
+
+/// Notes that the density of links without mass is of none.
+pub(super) fn of_density(settings: &Settings, findings: &mut Findings) {
+    if let Some(density) = settings.density {
+        let message = format!(
+            "the density of {density} kg/m³ changes nothing: no link with collision shapes lacks a \
+             mass"
+        );
+        findings.note("A144", message, "leave [robot] density, or --density, out");
+    }
+}
+
+/// Notes that a mass of links that could not move without is of none.
+pub(super) fn of_missing_mass(settings: &Settings, findings: &mut Findings) {
+    if let Some(mass) = settings.missing_mass {
+        let why = match settings.compat {
+            Compat::None => "each link that moves has inertia, or what hangs on it",
+            Compat::PyBullet => "links without mass have 1 kg, as in PyBullet",
+        };
+        let message = format!("the missing_mass of {mass} kg changes nothing: {why}");
+        let help = "leave [robot] missing_mass, or --missing-mass, out";
+        findings.note("A144", message, help);
+    }
+}

@@ -1,0 +1,123 @@
+//! Settings that change nothing are told.
+
+use super::*;
+use crate::assemble::{Guest, of_object, solid, world};
+use crate::settings::Settings;
+
+/// The warnings and notes A144, with the lines that they mark.
+fn told(settings: &str) -> Vec<(Severity, Option<usize>, String)> {
+    let built = assembled(&cart(), settings);
+    let found = built.diagnostics.into_iter().filter(|d| d.code == "A144");
+    found
+        .map(|d| (d.severity, d.place.map(|p| p.line), d.message))
+        .collect()
+}
+
+#[test]
+fn keys_without_the_one_that_they_belong_to_are_warned_of_at_their_place() {
+    for (settings, line, word) in [
+        (
+            "[joint.left]\nstribeck_velocity = 0.1",
+            Some(1),
+            "stribeck_velocity",
+        ),
+        (
+            "\n[joint.\"*\"]\nfriction = 1\nstribeck_velocity = 0.1\nstatic_friction = 1",
+            Some(2),
+            "[joint.\"*\"]",
+        ),
+        (
+            "[link.chassis]\nrestitution = 0.5\ndissipation = 10",
+            Some(1),
+            "dissipation",
+        ),
+        (
+            "[link.chassis]\ndissipation = 10\n[link.\"*\"]\nrestitution = 0.5",
+            Some(1),
+            "[link.\"chassis\"]",
+        ),
+        ("[contact]\nstribeck_velocity = 0.1", None, "[contact]"),
+    ] {
+        let found = told(settings);
+        let [(severity, place, message)] = &found[..] else {
+            panic!("{settings}: {found:?}");
+        };
+        assert_eq!((*severity, *place), (Severity::Warning, line), "{settings}");
+        assert!(message.contains(word), "{settings}: {message}");
+    }
+}
+
+#[test]
+fn keys_that_have_an_effect_on_anything_are_not() {
+    for settings in [
+        // Another table gives the friction at rest, or leaves a link that does not bounce.
+        "[joint.\"*\"]\nstribeck_velocity = 0.1\n[joint.left]\nfriction = 1\nstatic_friction = 2",
+        "[link.\"*\"]\ndissipation = 10\n[link.chassis]\nrestitution = 0.5",
+        "[contact]\nstribeck_velocity = 0.1\n[link.chassis]\nstatic_friction = 1",
+        "[contact]\nstribeck_velocity = 0.1\n[world.ground]\nstatic_friction = 1",
+        // As `init` writes it.
+        "[contact]\nstribeck_velocity = 0.01",
+        // The ground, which is not as bouncy, decides with the link.
+        "[robot]\ncompat = \"pybullet\"\n[link.chassis]\nrestitution = 0.5\ndissipation = 10",
+    ] {
+        assert!(
+            told(settings).is_empty(),
+            "{settings}: {:?}",
+            told(settings)
+        );
+    }
+}
+
+#[test]
+fn masses_that_no_link_needs_are_noted() {
+    for key in ["density = 1000", "missing_mass = 0.1"] {
+        let found = told(&format!("[robot]\n{key}"));
+        let [(Severity::Note, None, message)] = &found[..] else {
+            panic!("{key}: {found:?}");
+        };
+        assert!(message.contains("changes nothing"), "{message}");
+    }
+    let light = robot(mass("base", 1.0)).with(
+        "base",
+        "j",
+        Continuous,
+        at(0.0, 0.0, 0.0),
+        LinkDescription {
+            inertial: None,
+            ..body("wheel", 1.0)
+        },
+    );
+    for key in ["density = 1000", "missing_mass = 0.1"] {
+        let built = assembled(&light, &format!("[robot]\n{key}"));
+        assert!(has(&built, "A138") && !has(&built, "A144"), "{key}");
+    }
+}
+
+/// The missing mass of the robot's settings is that of objects, too.
+#[test]
+fn a_missing_mass_that_only_an_object_needs_is_not_noted() {
+    let settings = Settings::parse(
+        "[robot]\nmissing_mass = 0.1\n[[world.object]]\nname = \"o\"\nurdf = \"o.urdf\"\n\
+         xyz = [3, 0, 3]\n[[world.object]]\nname = \"p\"\nshape.sphere = 0.1\nmass = 1\n\
+         xyz = [6, 0, 3]",
+        "test.toml",
+    )
+    .expect("legal settings");
+    let lamp =
+        robot(mass("foot", 1.0)).with("foot", "j", Continuous, at(0.0, 0.0, 0.0), frame("shade"));
+    let guest = |number: usize, name: &str, description: Description| Guest {
+        name: name.into(),
+        kind: crate::model::RootKind::Object,
+        description,
+        settings: of_object(&settings.objects[number], &settings),
+    };
+    let codes = |guests: &[Guest]| {
+        let built = world(&cart(), &settings, guests).expect("a world");
+        let told = built.diagnostics.iter().map(|d| d.code);
+        told.filter(|code| ["A138", "A144"].contains(code))
+            .collect::<Vec<_>>()
+    };
+    let ball = guest(1, "p", solid("p", &ball(), 1.0));
+    assert_eq!(codes(std::slice::from_ref(&ball)), ["A144"]);
+    assert_eq!(codes(&[ball, guest(0, "o", lamp)]), ["A138"]);
+}
