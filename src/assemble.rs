@@ -63,6 +63,7 @@
 //! | A142 | what Model Exchange has no equations for |
 //! | A143 | gravity that points upwards |
 //! | A144 | settings that change nothing |
+//! | A145 | contacts so soft that a robot sinks into the ground |
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -84,6 +85,7 @@ mod pairs;
 mod pybullet;
 mod robot;
 mod sensors;
+mod sink;
 mod terrain;
 mod touch;
 mod ways;

@@ -4,7 +4,7 @@ use super::findings::Findings;
 use super::robot::Robot;
 use super::{
     actuators, base, bodies, exchange, idle, inertia, initial, loops, mimic, outputs, pairs,
-    sensors, touch, ways, wheels,
+    sensors, sink, touch, ways, wheels,
 };
 use crate::diagnostic::Diagnostic;
 use crate::digits::Digits;
@@ -118,6 +118,7 @@ fn assemble(
     let (shapes, lines) = (&robot.shapes, &robot.lines);
     let poses = inertia::complete(&mut model, poses, shapes, lines, settings, findings);
     initial::height(&mut model, &poses, settings, findings);
+    sink::warn(&model, &poses, settings, findings);
     warn_of_gravity(&model.world.gravity, findings);
     idle::report(&model, settings, findings);
     actuators::add(&mut model, &poses, &robot.lines, settings, findings);

@@ -56,7 +56,7 @@ impl Poses {
     }
 
     /// How much higher the origin of the robot's base link is than O, m.
-    fn base_height(&self, model: &Model) -> f64 {
+    pub(super) fn base_height(&self, model: &Model) -> f64 {
         self.link(model, model.base(RootId::ROBOT).link).p.z
     }
 
@@ -211,7 +211,7 @@ pub(super) fn height(
                 // Adding 0 turns -0 into 0.
                 model.roots[0].position.z = -z + 0.0;
                 if floating {
-                    model.roots[0].position.z -= static_depth(model);
+                    model.roots[0].position.z -= static_depth(model, model.contact.penetration);
                     model.roots[0].set_down = true;
                 }
                 let message = format!(
@@ -243,7 +243,8 @@ pub(super) fn height(
     touching.roots[0].position.z = -z + 0.0;
     #[expect(clippy::float_cmp, reason = "another height is somebody's wish")]
     let own = floating
-        && touching.roots[0].position.z - static_depth(&touching) == model.roots[0].position.z;
+        && touching.roots[0].position.z - static_depth(&touching, model.contact.penetration)
+            == model.roots[0].position.z;
     model.roots[0].set_down = own;
     // A robot at rest is this deep in the ground.
     if depth > model.contact.penetration && !settings.driven {
@@ -303,8 +304,10 @@ fn moves(model: &Model, collider: &Collider) -> bool {
 }
 
 /// How far the model, whose lowest point touches the ground, must sink until the ground carries its
-/// weight, m.
-fn static_depth(model: &Model) -> f64 {
+/// weight, m; 0 where it does not within some depths of a single corner.
+///
+/// - `corner`: how deep about a single corner sinks, m
+pub(super) fn static_depth(model: &Model, corner: f64) -> f64 {
     let Poses { mut tree, mut kin } = poses(model);
     crba::mass_matrix(&tree, &mut kin);
     let diagonal = |k| kin.M[tree.sparsity.diagonal(k)];
@@ -327,7 +330,7 @@ fn static_depth(model: &Model) -> f64 {
         loads.sum::<f64>() >= weight
     };
     // A single corner sinks by the penetration; a light touch of a heavy robot by some of them.
-    let (mut low, mut high) = (0.0, 64.0 * model.contact.penetration);
+    let (mut low, mut high) = (0.0, 64.0 * corner);
     if weight <= 0.0 || !carries(high) {
         return 0.0;
     }
@@ -347,7 +350,7 @@ fn static_depth(model: &Model) -> f64 {
 
 /// Height of the lowest point of the shapes that move, or of all, above the base's origin, and its
 /// link.
-fn lowest_point(model: &Model, poses: &Poses, all: bool) -> Option<(LinkId, f64)> {
+pub(super) fn lowest_point(model: &Model, poses: &Poses, all: bool) -> Option<(LinkId, f64)> {
     let base = poses.base_height(model);
     model
         .colliders

@@ -26,6 +26,7 @@ mod objects;
 mod outputs;
 mod pairs;
 mod robot;
+mod sink;
 mod touch;
 mod world;
 

@@ -1,0 +1,81 @@
+//! Contacts that are too soft for the weight on them.
+
+use super::*;
+
+/// A box of 14 kg, 0.3 m high, on four balls of 0.2 m.
+fn rover() -> Description {
+    let foot = |name: &str| body(name, 1.0);
+    robot(LinkDescription {
+        collisions: vec![collision(
+            Pose::IDENTITY,
+            Shape::Box {
+                half: Vec3::new(0.3, 0.2, 0.1),
+            },
+        )],
+        ..mass("chassis", 10.0)
+    })
+    .with("chassis", "j0", Fixed, at(0.3, 0.2, -0.1), foot("w0"))
+    .with("chassis", "j1", Fixed, at(0.3, -0.2, -0.1), foot("w1"))
+    .with("chassis", "j2", Fixed, at(-0.3, 0.2, -0.1), foot("w2"))
+    .with("chassis", "j3", Fixed, at(-0.3, -0.2, -0.1), foot("w3"))
+}
+
+#[test]
+fn what_sinks_deeply_is_warned_of_with_depth_and_key() {
+    for (settings, key) in [
+        ("contact.penetration = 1.0", "[contact] penetration = 1"),
+        ("contact.stiffness = 100", "[contact] stiffness = 100"),
+        (
+            "[link.\"w*\"]\nstiffness = 100",
+            "[link.\"w*\"] stiffness = 100",
+        ),
+        (
+            "[contact]\nstiffness = 100\n[initial]\nxyz = [0, 0, 1]",
+            "[contact] stiffness = 100",
+        ),
+    ] {
+        let found = note(&assembled(&rover(), settings), "A145");
+        assert_eq!(found.severity, Severity::Warning);
+        let help = found.help.unwrap_or_default();
+        assert!(help.starts_with(key), "{settings}: {help}");
+        let words = found.message.split("sinks ").nth(1).expect("a depth");
+        let depth: f64 = words
+            .split(' ')
+            .next()
+            .expect("a number")
+            .parse()
+            .expect("one");
+        // Where it comes to rest.
+        let text = format!("{settings}\n");
+        let mut model = model(&rover(), &text);
+        model.roots[0].position.z = 0.2 - 1e-3 * depth;
+        let mut simulation = Simulation::new(Arc::new(model));
+        simulation.initialize(0.0).expect("a legal start");
+        simulation.advance_to(2.0).expect("finite");
+        let z = simulation.output(OutputSlot::BasePosition(crate::model::RootId::ROBOT, 2));
+        assert!(
+            (z - 0.2 + 1e-3 * depth).abs() < 2e-3,
+            "{settings}: {z}, {depth}"
+        );
+    }
+}
+
+#[test]
+fn what_stands_on_the_ground_is_not() {
+    for settings in [
+        "",
+        "contact.penetration = 5e-3",
+        "contact.stiffness = 1e5",
+        "contact.penetration = 1.0\nworld.ground.type = \"none\"",
+        "contact.penetration = 1.0\nrobot.base = \"fixed\"",
+        "contact.penetration = 1.0\nworld.gravity = [0, 0, 0]",
+    ] {
+        assert!(!has(&assembled(&rover(), settings), "A145"), "{settings}");
+    }
+    // A point is no thing that is a twentieth deep in the ground.
+    let mut point = mass("tip", 1.0);
+    let radius = 5e-10;
+    point.collisions = vec![collision(Pose::IDENTITY, Shape::Sphere { radius })];
+    let built = assembled(&robot(point), "contact.penetration = 5e-3");
+    assert!(!has(&built, "A145"));
+}
