@@ -71,6 +71,10 @@ pub struct Inputs {
     driven: Vec<RootId>,
     /// All values in the order that `Self::index` gives, then all first derivatives, and so on.
     pub numbers: Vec<f64>,
+    /// Per actuator, 1 where its position has been set before the simulation begins: until then
+    /// others follow the initial position, see [`Self::follow`]. Once it runs all are 0. Numbers,
+    /// because saved states have them.
+    pub given: Vec<f64>,
     /// Whether a derivative is not 0.
     varies: bool,
     /// Wrenches that are not 0, see [`Self::gather`].
@@ -125,8 +129,26 @@ impl Inputs {
             conveyors: outputs.conveyors.clone(),
             driven: outputs.driven.clone(),
             numbers,
+            given: vec![0.0; n],
             varies: false,
             wrenches: Vec::with_capacity(wrenches),
+        }
+    }
+
+    /// Takes note that a position is set before the simulation begins.
+    pub fn give(&mut self, slot: InputSlot) {
+        if let InputSlot::Position(a) = slot {
+            self.given[self.leader[a.index()]] = 1.0;
+        }
+    }
+
+    /// Positions that nobody has set become those in which the joints begin: of each actuator that
+    /// `initial` gives.
+    pub fn follow(&mut self, initial: impl Fn(ActuatorId) -> f64) {
+        for a in 0..self.actuators {
+            if self.leader[a] == a && self.given[a] == 0.0 {
+                self.numbers[self.actuators + a] = initial(ActuatorId::from(a));
+            }
         }
     }
 
@@ -309,6 +331,12 @@ impl Inputs {
     pub fn is_sound(&self, numbers: &[f64]) -> bool {
         let (values, derivatives) = numbers.split_at(self.count.min(numbers.len()));
         !values.iter().any(|x| x.is_nan()) && derivatives.iter().all(|x| x.is_finite())
+    }
+
+    /// Whether what was saved of [`Self::given`] can be used.
+    pub fn tells_given(given: &[f64]) -> bool {
+        let legal = [0.0_f64, 1.0].map(f64::to_bits);
+        given.iter().all(|given| legal.contains(&given.to_bits()))
     }
 
     /// Takes over numbers that were saved; [`Self::gather`] must follow.

@@ -216,6 +216,7 @@ impl Simulation {
             });
         }
         if finite {
+            self.inputs.given.fill(0.0);
             self.sample();
             Ok(())
         } else {
@@ -247,6 +248,9 @@ impl Simulation {
 
     /// Sets an input; `value` has passed [`Self::check_input`].
     pub fn set_input(&mut self, slot: InputSlot, value: f64) {
+        if !self.initialized {
+            self.inputs.give(slot);
+        }
         if self.inputs.get(slot).to_bits() == value.to_bits() {
             return;
         }
@@ -335,7 +339,8 @@ impl Simulation {
         }
     }
 
-    /// Reads an input back.
+    /// Reads an input back. A position that has not been set follows the initial position when that
+    /// is used: by [`Self::initialize`], and when an output is read before it.
     pub fn input(&self, slot: InputSlot) -> f64 {
         self.inputs.get(slot)
     }
@@ -385,6 +390,7 @@ impl Simulation {
             hash: self.hash,
             parameters: self.parameters.values.clone(),
             inputs: self.inputs.numbers.clone(),
+            given: self.inputs.given.clone(),
             applied: self.applied.numbers.clone(),
             state,
             importer_tolerance: self.importer_tolerance,
@@ -410,6 +416,7 @@ impl Simulation {
         }
         snapshot.parameters.copy_from_slice(&self.parameters.values);
         snapshot.inputs.copy_from_slice(&self.inputs.numbers);
+        snapshot.given.copy_from_slice(&self.inputs.given);
         snapshot.applied.copy_from_slice(&self.applied.numbers);
         snapshot.state.copy_from(&self.state);
         snapshot.importer_tolerance = self.importer_tolerance;
@@ -429,11 +436,14 @@ impl Simulation {
         let same = self.parameters.values == snapshot.parameters && !self.stale;
         self.parameters.values.copy_from_slice(&snapshot.parameters);
         self.inputs.restore(&snapshot.inputs);
+        self.inputs.given.copy_from_slice(&snapshot.given);
         self.importer_tolerance = snapshot.importer_tolerance;
         self.start = snapshot.start;
         self.initialized = snapshot.initialized;
         if !same {
             self.place();
+            // Positions that have not been set have followed.
+            self.inputs.restore(&snapshot.inputs);
         }
         self.gather();
         self.applied.restore(&snapshot.applied);

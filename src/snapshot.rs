@@ -2,11 +2,12 @@
 //! is not part of it.
 //!
 //! Bytes, little-endian: magic `U2FS`, format version (u32), hash of the model (u64), then lists,
-//! each with its length (u64): parameters, inputs, inputs as the last step ended with them, the
-//! state's fields, the run's settings; the counters; the number of touches, of loads of what rests
-//! and of coefficients of smooth steps under way; the touches (slot, displacement, angle and touch-
-//! down speed of each); the loads (slot and force); the coefficients; last an FNV-1a checksum (u64)
-//! of all before it. Lengths must be those of the model, so that forged lengths allocate nothing.
+//! each with its length (u64): parameters, inputs, which positions among them were set before the
+//! start, inputs as the last step ended with them, the state's fields, the run's settings; the
+//! counters; the number of touches, of loads of what rests and of coefficients of smooth steps
+//! under way; the touches (slot, displacement, angle and touch-down speed of each); the loads
+//! (slot and force); the coefficients; last an FNV-1a checksum (u64) of all before it. Lengths
+//! must be those of the model, so that forged lengths allocate nothing.
 
 use crate::force::Touch;
 use crate::hash::fnv1a;
@@ -39,6 +40,7 @@ pub struct Snapshot {
     pub(crate) hash: u64,
     pub(crate) parameters: Vec<f64>,
     pub(crate) inputs: Vec<f64>,
+    pub(crate) given: Vec<f64>,
     pub(crate) applied: Vec<f64>,
     pub(crate) state: State,
     pub(crate) importer_tolerance: f64,
@@ -66,6 +68,7 @@ impl Snapshot {
         };
         list(&self.parameters);
         list(&self.inputs);
+        list(&self.given);
         list(&self.applied);
         for field in self.state.fields() {
             list(field);
@@ -103,10 +106,11 @@ impl Snapshot {
         let fields = self.state.fields();
         let numbers = self.parameters.len()
             + self.inputs.len()
+            + self.given.len()
             + self.applied.len()
             + fields.iter().map(|f| f.len()).sum::<usize>()
             + 2;
-        let lists = fields.len() + 4;
+        let lists = fields.len() + 5;
         let touches = TOUCH / 8 * self.state.physical.memory.touches.len();
         let loads = LOAD / 8 * self.state.stepping.loads.len();
         let coefficients = self.state.stepping.ahead.coefficients.len();
@@ -135,6 +139,21 @@ impl Snapshot {
         (possible && fits()).then_some([touches, loads, coefficients])
     }
 
+    /// One of nothing yet, with lists as long as those of the model.
+    fn blank(model: &Model, hash: u64, parameters: &Parameters, inputs: &Inputs) -> Self {
+        Self {
+            hash,
+            parameters: parameters.values.clone(),
+            inputs: inputs.numbers.clone(),
+            given: inputs.given.clone(),
+            applied: inputs.numbers.clone(),
+            state: State::new(model),
+            importer_tolerance: 0.0,
+            start: 0.0,
+            initialized: false,
+        }
+    }
+
     /// Reads what [`Self::to_bytes`] wrote for the same model.
     ///
     /// # Errors
@@ -154,16 +173,7 @@ impl Snapshot {
         };
         let start = Inputs::new(model);
         let defaults = Parameters::new(model);
-        let mut snapshot = Self {
-            hash,
-            parameters: defaults.values.clone(),
-            inputs: start.numbers.clone(),
-            applied: start.numbers.clone(),
-            state: State::new(model),
-            importer_tolerance: 0.0,
-            start: 0.0,
-            initialized: false,
-        };
+        let mut snapshot = Self::blank(model, hash, &defaults, &start);
         if bytes.get(..4) != Some(MAGIC) {
             return Err(refused("it does not begin with this format's mark"));
         }
@@ -187,11 +197,15 @@ impl Snapshot {
         let Self {
             parameters,
             inputs,
+            given,
             applied,
             state,
             ..
         } = &mut snapshot;
-        let mut complete = reader.list(parameters) && reader.list(inputs) && reader.list(applied);
+        let mut complete = reader.list(parameters)
+            && reader.list(inputs)
+            && reader.list(given)
+            && reader.list(applied);
         for field in state.fields_mut() {
             complete = complete && reader.list(field);
         }
@@ -243,6 +257,7 @@ impl Snapshot {
         // Effort limits may be infinite.
         let sound = defaults.allow(&snapshot.parameters)
             && start.is_sound(&snapshot.inputs)
+            && Inputs::tells_given(&snapshot.given)
             && start.is_sound(&snapshot.applied)
             && snapshot.state.is_finite()
             && snapshot.state.lengths_are_positive();

@@ -4,7 +4,11 @@ use super::Simulation;
 use crate::dynamics::crba;
 use crate::initial::{self, initial_state};
 use crate::kinematics::Kinematics;
+use crate::slots::ParameterSlot;
 use crate::spatial::Vec3;
+
+/// Way by which closing loops moves joints that stay where they are, rad or m: round-off.
+const CLOSED: f64 = 1e-12;
 
 impl Simulation {
     /// Sets the time at which the simulation is to begin, s, before [`Self::initialize`]: time
@@ -50,11 +54,33 @@ impl Simulation {
         self.state = initial_state(&self.model, &self.parameters, self.start);
         self.scale_tree(&self.state.physical.q.clone());
         self.close();
+        self.follow();
         self.gather();
         self.applied.copy_from(&self.inputs);
         self.settle();
         self.stale = false;
         self.forget();
+    }
+
+    /// Before the simulation begins, commanded positions that nobody has set are those in which the
+    /// joints begin: a servo is to hold what it is given, not to strike out.
+    fn follow(&mut self) {
+        if self.initialized {
+            return;
+        }
+        let (model, parameters, q) = (&self.model, &self.parameters, &self.state.physical.q);
+        self.inputs.follow(|a| {
+            let joint = model.actuators[a.index()].joint;
+            let set = parameters.get(ParameterSlot::InitialJointPosition(joint));
+            let body = model.scalar_body(joint);
+            let found = body.map_or(set, |body| q[model.bodies[body.index()].coordinate]);
+            // What a loop that closes has hardly moved keeps its very number.
+            if (found - set).abs() > CLOSED {
+                found
+            } else {
+                set
+            }
+        });
     }
 
     /// Closes the loops of the initial state; what follows from it is that of the closed one.

@@ -11,6 +11,7 @@
 mod limits;
 mod messages;
 mod partial;
+mod start;
 
 use super::*;
 use crate::common::{Interface, Status};

@@ -363,3 +363,31 @@ fn notes_that_are_not_used_are_warned_of_by_name() {
         assert!(found.place.is_some(), "{note}");
     }
 }
+
+/// A joint that closing a loop has moved is held there by a servo that nobody commands.
+#[test]
+fn commands_that_are_not_set_follow_what_closes_the_loops() {
+    use crate::simulation::ParameterSlot;
+    let servos = "[[actuator]]\njoint = \"*\"\nmode = \"none\"\n[[actuator]]\njoint = \"c\"\n\
+                  mode = \"position\"\n";
+    let model = built("", &format!("{OPEN}{BALL}{servos}"))
+        .expect("it closes")
+        .model;
+    let (crank, rocker) = (JointId(0), JointId(2));
+    let own = model.initial.joint_positions[2];
+    let command = InputSlot::Position(ActuatorId(0));
+    let begun = |position: Option<f64>| {
+        let mut s = Simulation::new(Arc::new(model.clone()));
+        if let Some(position) = position {
+            s.set_parameter(ParameterSlot::InitialJointPosition(crank), position);
+        }
+        s.initialize(0.0).expect("it closes");
+        s
+    };
+    // The very number of the model, where nothing has been set.
+    assert_eq!(begun(None).input(command).to_bits(), own.to_bits());
+    let mut s = begun(Some(1.2));
+    let found = s.output(OutputSlot::JointPosition(rocker, 0));
+    assert!((found - own).abs() > 0.1, "{found} {own}");
+    assert_eq!(s.input(command).to_bits(), found.to_bits());
+}

@@ -341,3 +341,64 @@ fn a_velocity_motor_follows_a_ramp_in_long_steps() {
         }
     }
 }
+
+/// A servo whose command nobody has set holds the joint where it begins, wherever that is.
+#[test]
+fn a_position_that_is_not_set_is_the_one_in_which_the_joint_begins() {
+    use crate::simulation::{ParameterSlot, Snapshot};
+    let joint = crate::model::JointId(0);
+    let (place, slot) = (
+        ParameterSlot::InitialJointPosition(joint),
+        InputSlot::Position(COMMAND),
+    );
+    let begin = |order: &[&str]| {
+        let mut b = slider(1.0, ActuatorMode::Position, 10.0);
+        b.model.initial.joint_positions[0] = 0.25;
+        let mut s = Simulation::new(std::sync::Arc::new(b.model));
+        for what in order {
+            match *what {
+                "place" => s.set_parameter(place, 1.0),
+                "command" => s.set_input(slot, 0.5),
+                "the same" => s.set_input(slot, 0.25),
+                "reset" => s.reset(),
+                "read" => assert!(s.output(OutputSlot::JointPosition(joint, 0)).is_finite()),
+                "save" => {
+                    let bytes = s.save().to_bytes();
+                    s.reset();
+                    let saved = Snapshot::from_bytes(s.model(), &bytes).expect("own bytes");
+                    s.restore(&saved).expect("own state");
+                    assert_eq!(s.save().to_bytes(), bytes);
+                }
+                _ => s.initialize(0.0).expect("a legal start"),
+            }
+        }
+        s
+    };
+    for (order, command) in [
+        (&["start"][..], 0.25),
+        (&["place", "start"], 1.0),
+        (&["place", "read", "start"], 1.0),
+        (&["place", "command", "start"], 0.5),
+        (&["command", "place", "start"], 0.5),
+        // What is set to its start value is set.
+        (&["the same", "place", "start"], 0.25),
+        (&["place", "reset", "start"], 0.25),
+        (&["command", "reset", "place", "start"], 1.0),
+        (&["place", "save", "start"], 1.0),
+        (&["save", "place", "start"], 1.0),
+        (&["the same", "save", "place", "start"], 0.25),
+        (&["place", "start", "save"], 1.0),
+        (&["place", "start", "command", "save"], 0.5),
+    ] {
+        let mut s = begin(order);
+        assert_eq!(s.input(slot).to_bits(), f64::to_bits(command), "{order:?}");
+        if command > 0.9 {
+            run(&mut s, 1.0, 0.01);
+            assert_eq!(
+                s.state().physical.q[0].to_bits(),
+                f64::to_bits(1.0),
+                "{order:?}"
+            );
+        }
+    }
+}
