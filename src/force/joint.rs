@@ -87,6 +87,18 @@ impl JointTerm {
         }
     }
 
+    /// Elastic displacement that a velocity motor remembers which yields at the end of a step: all
+    /// that its effort can hold. What of it spring and damper share follows from the command at the
+    /// start of the next step: a smaller one, which the joint has not reached either, then takes
+    /// nothing from the effort. None where it does not yield.
+    pub fn wound_motor(&self, v: f64, h: f64) -> Option<f64> {
+        let Drive::Velocity { element, .. } = self.drive else {
+            return None;
+        };
+        let (force, slope) = self.drive_force(v, h);
+        (slope.abs() <= 0.0 && element.cap > 0.0).then(|| element.settle(-force, 0.0))
+    }
+
     /// By how much the displacement of a velocity motor that yields at the start of a step with the
     /// velocity `v` differs, for each difference of that velocity: the time constant of its spring
     /// and damper, s. 0 if it does not yield.

@@ -23,6 +23,7 @@ mod named;
 mod pair;
 mod pairs;
 mod point;
+mod remember;
 mod secant;
 mod spring;
 mod terms;

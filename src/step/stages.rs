@@ -232,7 +232,7 @@ impl Stages {
             return false;
         }
         let solved = self.solved[0].solved();
-        self.terms[0].remember(&solved, eta, &mut self.memory);
+        self.terms[0].pass_on(&solved, eta, &mut self.memory);
         // Second stage.
         let rows = self.guess.iter_mut().zip(&mut self.from);
         let ends = from.v.iter().zip(&self.solved[0].v);

@@ -2,6 +2,7 @@
 //! forms.
 
 use super::*;
+use crate::model::JointId;
 
 /// Fixed steps or error control: step size and tolerance.
 const MODES: [(f64, f64); 2] = [(0.0, 1e-5), (1.0 / 240.0, 1e-5)];
@@ -259,6 +260,31 @@ fn friction_that_falls_with_the_speed_is_followed_within_the_root_of_the_toleran
             error.abs() < 0.4 * tolerance.sqrt(),
             "{error} m/s at {tolerance}"
         );
+    }
+}
+
+/// A velocity motor of 5 N presses its slider against a limit, under a command that changes 240
+/// times a second between 0.01 and 0.09 m/s. Truth: it never has the speed that it is told to
+/// reach, so it pulls with all of its effort. Before, a smaller command took away `d Δv` of it,
+/// which came back as slowly as the command winds up a millimetre: grippers lost what they held.
+#[test]
+fn a_motor_that_presses_keeps_its_effort_when_its_command_falls() {
+    for mode in MODES {
+        let (mut b, cart) = cart();
+        b.limits(cart, -0.1, 0.1);
+        b.actuator(cart, ActuatorMode::Velocity, 5.0);
+        let mut s = started(b, mode);
+        for i in 0..480 {
+            let command = if i < 240 {
+                0.5
+            } else {
+                [0.01, 0.09, 0.03][i % 3]
+            };
+            s.set_input(InputSlot::Velocity(ActuatorId(0)), command);
+            s.advance_to((i + 1) as f64 / 240.0).expect("finite");
+            let effort = s.output(OutputSlot::JointEffort(JointId(0)));
+            assert!(i < 200 || (effort - 5.0).abs() < 1e-6, "{effort} N at {i}");
+        }
     }
 }
 
