@@ -508,6 +508,18 @@ pub const NEAREST_ON_FIELD: usize = 12;
 /// The same where a ball may touch the surface in several places: each is looked for until it is
 /// found. At 2 fails `a_ball_at_the_foot_of_a_slope_touches_both`.
 pub const NEAREST_IN_HOLLOW: usize = 40;
+/// How much the ground may bend against a circle, as seen along its normal, up to which the normal
+/// leads to the only deepest place: its error falls by so much a look, to round-off in twelve. At
+/// 1e9, where the normal alone leads, fails `a_ball_at_the_foot_of_a_slope_touches_both`.
+pub const RING_ROUGH: f64 = 0.25;
+/// Sine of the lean of a cylinder against the ground up to which it counts as standing there: where
+/// the ground bends less against that, the rim of a can on a hill is a millimetre in it at most. At
+/// 1e9 fails `a_ball_at_the_foot_of_a_slope_touches_both`.
+pub const RING_LEAN: f64 = 0.05;
+/// Sine of the lean of a circle against the ground at one of its deepest places up to which the
+/// point is at the place itself on uneven ground. At 1e-9 fails
+/// `a_cylinder_on_rough_heights_moves_as_its_rows_say`.
+pub const RING_FLAT: f64 = 0.01;
 /// Slope of the distance at the end of a step towards that place, as a share of the slope at its
 /// start, beyond which the step has gone too far over a crest. Infinite fails
 /// `what_rolls_over_a_step_of_heights_touches_it_all_the_way`.

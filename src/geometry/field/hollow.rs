@@ -63,6 +63,16 @@ impl Field {
         self.hollows.highest(self.square(c.x, c.y, around)) * radius >= 1.0
     }
 
+    /// Whether the surface may bend up or down by as much as `bend`, 1/m, within a square of half
+    /// the width `around` about a point.
+    #[inline]
+    pub fn bends_by(&self, c: &Vec3, around: f64, bend: f64) -> bool {
+        let square = self.square(c.x, c.y, around);
+        [&self.hollows, &self.humps]
+            .into_iter()
+            .any(|bends| bends.top() >= bend && bends.highest(square) >= bend)
+    }
+
     /// The most by which the surface bends down anywhere, 1/m, or more.
     pub fn humps(&self) -> f64 {
         self.humps.top().max(0.0)

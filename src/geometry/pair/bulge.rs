@@ -24,6 +24,7 @@ use super::deepest::Deepest;
 use super::foot::{Nearest, Place, nearest_from};
 use super::placed::Placed;
 use super::points::{PatchPoint, Rim, Side, point};
+use super::ring::{Low, Lows};
 use super::sink::Sink;
 use super::trace::Trace;
 use crate::geometry::MOST_CORNERS;
@@ -100,7 +101,7 @@ struct Look {
 /// The places of a face or a line.
 struct Looks {
     deepest: Deepest<Look, MOST_BULGES>,
-    /// How many there are.
+    /// How many there are that may have a part.
     count: usize,
     /// The largest bulge, m.
     bulge: f64,
@@ -118,7 +119,6 @@ impl Looks {
     /// Adds a place and how deep it is; `even`: its depth on ground that is even between the
     /// corners, m.
     fn add(&mut self, (depth, look): (f64, Look), even: f64) {
-        self.count += 1;
         self.bulge = self.bulge.max(depth - even);
         self.deepest.add(depth, look);
     }
@@ -179,48 +179,61 @@ impl Bulges<'_, '_> {
             let way = count(k) / count(parts);
             let near = first.n + (last.n - first.n) * way;
             let even = first.depth + (last.depth - first.depth) * way;
-            if let Some(look) = self.circle(round, 2.0 * way - 1.0, near) {
-                looks.add(look, even);
-            }
+            looks.count += 1;
+            self.circle(round, 2.0 * way - 1.0, near, |look| looks.add(look, even));
         }
         looks.into_points(self.shape.solid.blend, self.sink);
     }
 
-    /// The lowest place of the circle at `s` of an axis, −1 … 1, near which the ground has about
+    /// The lowest places of the circle at `s` of an axis, −1 … 1, near which the ground has about
     /// the normal `near`, of any length.
-    fn circle(&self, round: &Round, s: f64, near: Vec3) -> Option<(f64, Look)> {
-        let c = self.shape.p + self.shape.axis() * (s * round.half);
-        let lowest = |n: &Vec3| Trace::new(self.shape, round, n, Side::First).end(s);
-        let look = |n: Vec3, (x, rim): (Vec3, Option<Rim>)| Look {
-            n,
-            x,
-            part: self.smooth(&x),
-            rim,
-        };
-        let against = |Place { at, n }: &Place| {
-            let (x, rim) = if round.flat {
-                lowest(n)
-            } else {
-                (c - n * round.radius, None)
-            };
-            (n.dot(&(at - x)), look(*n, (x, rim)))
-        };
+    fn circle(&self, round: &Round, s: f64, near: Vec3, mut add: impl FnMut((f64, Look))) {
+        if !round.flat {
+            let found = self.ball(round, s);
+            return found.into_iter().for_each(add);
+        }
         // The ends have been looked for in the same way.
+        let (field, reach) = (self.field, self.sink.reach);
+        if let Some(lows) = Lows::find(self.shape, round, s, (field, reach)) {
+            for low in lows.found() {
+                let part = low.part * self.smooth(&low.x);
+                let Low { n, x, rim, .. } = *low;
+                add((low.depth, Look { n, x, part, rim }));
+            }
+            return;
+        }
+        let lowest = |n: &Vec3| Trace::new(self.shape, round, n, Side::First).end(s);
+        // Each time the error of the normal is multiplied by the radius over that of the hill.
+        let Some((n, _)) = field.below(&lowest(&near.normalize()).0) else {
+            return;
+        };
+        let (x, rim) = lowest(&n);
+        if let Some((_, depth)) = field.below(&x) {
+            let part = self.smooth(&x);
+            add((depth, Look { n, x, part, rim }));
+        }
+    }
+
+    /// The deepest place of a ball at `s` of the axis of a capsule.
+    fn ball(&self, round: &Round, s: f64) -> Option<(f64, Look)> {
+        let c = self.shape.p + self.shape.axis() * (s * round.half);
+        let against = |Place { at, n }: &Place| {
+            let x = c - n * round.radius;
+            let look = Look {
+                n: *n,
+                x,
+                part: self.smooth(&x),
+                rim: None,
+            };
+            (n.dot(&(at - x)), look)
+        };
         let nearest = Nearest::in_hollow(self.field, &c, round.radius, self.sink.reach);
         let found = nearest.found().iter().map(against);
-        if let Some(deepest) = found.max_by(|(a, _), (b, _)| a.total_cmp(b)) {
-            return Some(deepest);
-        }
-        if !round.flat {
+        found.max_by(|(a, _), (b, _)| a.total_cmp(b)).or_else(|| {
             let looks = (NEAREST_ON_FIELD, f64::INFINITY);
             let (place, _) = nearest_from(self.field, &c, [c.x, c.y], looks)?;
-            return Some(against(&place));
-        }
-        // Each time the error of the normal is multiplied by the radius over that of the hill.
-        let (n, _) = self.field.below(&lowest(&near.normalize()).0)?;
-        let (x, rim) = lowest(&n);
-        let (_, depth) = self.field.below(&x)?;
-        Some((depth, look(n, (x, rim))))
+            Some(against(&place))
+        })
     }
 
     /// Grids on the faces of which the normal goes down by more than `least`.
@@ -274,6 +287,7 @@ impl Bulges<'_, '_> {
                     part: (-normal.dot(&n)).max(0.0) * self.smooth(&x),
                     rim: None,
                 };
+                looks.count += 1;
                 looks.add((depth, look), even);
             }
         };

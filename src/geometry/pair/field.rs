@@ -23,6 +23,7 @@ use super::deepest::Deepest;
 use super::foot::{Nearest, Place, nearest_from};
 use super::placed::Placed;
 use super::points::{PatchPoint, Side, point};
+use super::ring::{Lows, below_or_beyond};
 use super::sink::Sink;
 use super::surface::part_between;
 use super::trace::Trace;
@@ -107,25 +108,16 @@ impl OnField<'_, '_> {
         None
     }
 
-    /// The tangent plane below a place: its normal, and how deep the place is in it; with the
-    /// surface continued where other terrain goes on beyond its end.
-    fn below_or_beyond(&self, x: &Vec3) -> Option<(Vec3, f64)> {
-        self.field.below(x).or_else(|| {
-            let on = self.field.goes_on([x.x, x.y]);
-            on.then(|| self.field.below_or_end(x))?
-        })
-    }
-
     /// The place that says on which terrain an end of a cylinder lies: the lowest one of the rim of
     /// its core, as on a mesh.
-    fn over(&self, round: &Round, end: &Lowest) -> [f64; 2] {
+    fn over(&self, round: &Round, s: f64, n: &Vec3) -> [f64; 2] {
         let r = self.shape.solid.radius;
         let core = Round {
             radius: round.radius - r,
             half: round.half - r,
             ..*round
         };
-        let (x, _) = Trace::new(self.shape, &core, &end.n, Side::First).end(end.s);
+        let (x, _) = Trace::new(self.shape, &core, n, Side::First).end(s);
         [x.x, x.y]
     }
 
@@ -183,11 +175,11 @@ impl OnField<'_, '_> {
         let mut ends = [0, 1].map(|k| {
             let s = [1.0, -1.0][k];
             let center = shape.p + shape.axis() * (s * round.half);
-            given[k] = self.in_hollow(round, s, &center);
-            if given[k].is_some() {
+            if let Some(lows) = Lows::find(shape, round, s, (self.field, self.sink.reach)) {
+                given[k] = self.lows(round, s, &lows);
                 return None;
             }
-            let (n, _) = self.below_or_beyond(&center)?;
+            let (n, _) = below_or_beyond(self.field, &center)?;
             Some(Lowest { s, n, found: None })
         });
         for _ in 0..NEAREST_ON_FIELD {
@@ -198,8 +190,8 @@ impl OnField<'_, '_> {
                     continue;
                 }
                 let (x, _) = Trace::new(shape, round, &end.n, Side::First).end(end.s);
-                if let Some((next, depth)) = self.below_or_beyond(&x)
-                    && !self.field.goes_on(self.over(round, end))
+                if let Some((next, depth)) = below_or_beyond(self.field, &x)
+                    && !self.field.goes_on(self.over(round, end.s, &end.n))
                 {
                     end.found = Some((end.n, depth, x));
                     changes |= end.n != next;
@@ -227,17 +219,19 @@ impl OnField<'_, '_> {
         given
     }
 
-    /// An end of a cylinder where the surface may be near it in several places: against the
-    /// tangent plane of each place that is nearest to its middle; gives back the deepest.
-    fn in_hollow(&mut self, round: &Round, s: f64, center: &Vec3) -> Option<End> {
-        let nearest = Nearest::in_hollow(self.field, center, round.radius, self.sink.reach);
+    /// An end of a cylinder where the ground is not even: each place of its rim that is deeper than
+    /// those beside it; gives back the deepest.
+    fn lows(&mut self, round: &Round, s: f64, lows: &Lows) -> Option<End> {
         let mut deepest = None;
-        for Place { at, n } in nearest.found() {
-            let (x, rim) = Trace::new(self.shape, round, n, Side::First).end(s);
-            let depth = n.dot(&(at - x));
-            let halfway = point(x + n * (0.5 * depth), depth, 0.5);
-            self.sink.add(n, PatchPoint { rim, ..halfway });
-            deepest = Some(deeper(deepest, End { n: *n, depth }));
+        for low in lows.found() {
+            let (n, depth) = (low.n, low.depth);
+            if self.field.has_seams() && self.field.goes_on(self.over(round, s, &n)) {
+                continue;
+            }
+            let halfway = point(low.x + n * (0.5 * depth), depth, 0.5 * low.part);
+            let rim = low.rim;
+            self.sink.add(&n, PatchPoint { rim, ..halfway });
+            deepest = Some(deeper(deepest, End { n, depth }));
         }
         deepest
     }

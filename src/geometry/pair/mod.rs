@@ -54,6 +54,7 @@ mod own;
 mod placed;
 mod points;
 mod polygon;
+mod ring;
 mod segments;
 mod sink;
 mod surface;

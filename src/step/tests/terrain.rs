@@ -446,3 +446,33 @@ fn restored_terrain_continues_with_the_same_bits() {
         }
     }
 }
+
+/// A wheel that falls over on rough heights takes about as many steps as on the same heights as a
+/// mesh, 400 in 1.25 s. With a point at the lowest place of the rim, against the ground nearest to
+/// the middle of that, such wheels took 6,700 and more in fixed steps.
+#[test]
+fn a_wheel_that_falls_over_on_rough_heights_takes_few_steps() {
+    let mut random = Random(5);
+    let rough: Vec<f64> = (0..1681).map(|_| random.uniform(-0.035, 0.035)).collect();
+    let index = |x: f64| (5.0 * (x + 4.0)).round() as usize;
+    let waves = |x: f64, y: f64| 0.15 * libm::sin(1.3 * x) * libm::cos(1.1 * y);
+    let height = |x: f64, y: f64| waves(x, y) + rough[41 * index(y) + index(x)];
+    let wheel = Shape::Cylinder {
+        radius: 0.15,
+        half_length: 0.04,
+    };
+    for case in 0..4 {
+        let mut uniform = |most: f64| random.uniform(-most, most);
+        let place = Vec3::new(uniform(2.0), uniform(2.0), 0.5);
+        let mut one = body(1.0, wheel.clone(), place);
+        one.roots[0].rpy = Vec3::new(uniform(3.0), uniform(3.0), uniform(3.0));
+        one.roots[0].linear_velocity = Vec3::new(uniform(1.0), uniform(1.0), 0.0);
+        one.roots[0].angular_velocity = Vec3::new(uniform(6.0), uniform(6.0), uniform(6.0));
+        let terrain = field(8.0, 40, height);
+        let mut s = start(over(ground(terrain, Vec3::zeros()), one), 1e-3);
+        run(&mut s, 1.25, 1.0 / 240.0);
+        let counters = s.state().stepping.counters;
+        let tries = counters.steps + counters.rejected;
+        assert!(tries < 700, "case {case}: {counters:?}");
+    }
+}

@@ -206,3 +206,71 @@ fn what_rolls_over_a_step_of_heights_touches_it_all_the_way() {
         }
     }
 }
+
+/// A point of a rim comes deeper as fast as the rim moves against the normal there, whichever way a
+/// cylinder stands, leans or lies on rough heights: else the work of its force is not what the
+/// depth stores. Where the ground is nearest to the middle of the rim it did by a seventh of that.
+#[test]
+fn a_cylinder_on_rough_heights_moves_as_its_rows_say() {
+    let seed = 13;
+    let mut random = Random(seed);
+    let rough: Vec<f64> = (0..121).map(|_| random.uniform(-0.03, 0.03)).collect();
+    let field = heights(10, |x, y| {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a sample of the grid"
+        )]
+        let index = |x: f64| (5.0 * (x + 1.0)).round() as usize;
+        rough[11 * index(y) + index(x)]
+    });
+    let hills = Shape::Field { field };
+    let wheel = Shape::Cylinder {
+        radius: 0.15,
+        half_length: 0.04,
+    };
+    let rims = |pose: Pose| {
+        let patch = find((&wheel, pose), (&hills, Pose::IDENTITY), 1e-2);
+        let own = patch.points().iter().filter(|p| p.rim.is_some());
+        // Those between the ends have less.
+        let own = own.filter(|p| p.share > 0.2);
+        own.copied().collect::<Vec<_>>()
+    };
+    let mut seen = 0;
+    for case in 0..1000 {
+        let R = any_rotation(&mut random);
+        let (x, y) = (random.uniform(-0.7, 0.7), random.uniform(-0.7, 0.7));
+        let (mut low, mut high) = (-0.1, 0.4);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            let found = rims(at(Vec3::new(x, y, middle), R));
+            if found.iter().any(|p| p.depth > 0.0) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let p = Vec3::new(x, y, high);
+        let (v, w) = (random.unit(), random.unit() * 5.0);
+        let time = 1e-6;
+        let moved = |t: f64| rims(at(p + v * t, turned(w, w.norm() * t) * R));
+        let (before, after) = (moved(-time), moved(time));
+        for point in rims(at(p, R)).iter().filter(|p| p.depth.abs() < 1e-5) {
+            let same = |found: &[PatchPoint]| {
+                let near = |q: &&PatchPoint| (q.x - point.x).norm() < 1e-3;
+                found.iter().find(near).map(|q| q.depth)
+            };
+            let (Some(first), Some(last)) = (same(&before), same(&after)) else {
+                continue;
+            };
+            let found = (last - first) / (2.0 * time);
+            let row = -point.normal.dot(&(v + w.cross(&(point.x - p))));
+            seen += 1;
+            assert!(
+                (found - row).abs() < 0.01,
+                "seed {seed}, case {case}: {found} {row}, {point:?}"
+            );
+        }
+    }
+    assert!(seen > 800, "{seen}");
+}
