@@ -10,11 +10,12 @@
 //!    damper leaves of `F`. Along the slip it may only approach that value, see
 //!    `ElastoPlastic::slipped`.
 //!
-//! Where friction at rest is higher than sliding friction, the cap follows the speed of the slip at
-//! the start of the step (Stribeck): within the step it is constant, which keeps the law convex. The
-//! slip is what the spring does not take up, `s = |u| − w`. While the element sticks, `w = |u|`:
-//! a load that sets in yields by the spring, at any speed, and friction at rest holds it. From where
-//! it slips on the spring is stretched at `w = (F̄ − k ς)/d`, which dies within its own time `d/k`.
+//! Where friction at rest is higher than sliding friction, the cap follows the speed of the slip
+//! at the start of the step (Stribeck): within the step it is constant, which keeps the law convex.
+//! The slip is what the spring does not take up, `s = |u| − w`. While the element sticks,
+//! `w = |u|`: a load that sets in yields by the spring, at any speed, and friction at rest holds
+//! it. Once it slips, the spring is stretched at `w = (F̄ − k ς)/d`, which dies within its own time
+//! `d/k`.
 //!
 //! Source: Castro et al. 2022 (the force is the gradient of the Moreau envelope of Coulomb's
 //! dissipation); Armstrong-Hélouvry, Dupont & Canudas de Wit 1994 for the Stribeck curve.

@@ -23,10 +23,10 @@ fn slider(mass: f64, [moving, at_rest]: [f64; 2], stribeck: f64) -> Model {
     b.model
 }
 
-/// A force that jumps to 0.85 of what friction at rest holds, and is reached in 20 ms, on sliders of
-/// 0.1 to 100 kg. Truth: Coulomb; the spring of friction yields by 0.1 mm under moving friction. Its
-/// damper is critical and has it pull with 1.14 of a load that jumps: more than 0.88 may break away. Its damper is
-/// critical and has it pull with 1.14 of a load that jumps, so that more than 0.88 may break away.
+/// A force that jumps to 0.85 of what friction at rest holds, or grows to it in 20 ms, on sliders
+/// of 0.1 to 100 kg. Truth: Coulomb; the spring of friction yields by 0.1 mm under moving friction.
+/// Its damper is critical and has it pull with 1.14 of a load that jumps, so that more than 0.88 of
+/// what is held may break away.
 #[test]
 fn friction_at_rest_holds_a_load_that_sets_in_at_once() {
     for mass in [0.1, 1.0, 100.0] {
