@@ -8,7 +8,6 @@ use crate::law::dissipation_number;
 use crate::model::{Model, RootKind};
 use crate::simulation::Simulation;
 use crate::spatial::Pose;
-use crate::spatial::Vec3;
 use crate::testing::{Builder, inertia, start};
 
 /// A spring that is 60 penetrations deep and holds more than the shapes have come in with has

@@ -2,6 +2,7 @@
 
 /// The `MOST` deepest of the places that were added, the deepest first; of equally deep ones those
 /// that came first.
+#[derive(Clone, Debug)]
 pub(super) struct Deepest<T, const MOST: usize> {
     list: [(f64, T); MOST],
     count: usize,
@@ -23,6 +24,15 @@ impl<T: Copy + Default, const MOST: usize> Deepest<T, MOST> {
             self.list[at..self.count].rotate_right(1);
             self.list[at] = (depth, place);
         }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Each with its depth, m, to be put into another order.
+    pub(super) fn all(&mut self) -> &mut [(f64, T)] {
+        &mut self.list[..self.count]
     }
 
     /// Each with its depth, m.

@@ -17,6 +17,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::core::{Core, Solid};
+use super::deepest::Deepest;
 use super::meet::Meeting;
 use super::nearby::{Nearby, Parts};
 use super::own::{OwnPoints, is_far};
@@ -49,7 +50,7 @@ struct OnFacet {
 /// Memory of a query.
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
-    found: [OnFacet; MOST_FOUND],
+    found: Deepest<OnFacet, MOST_FOUND>,
     /// The points of the shape.
     own: OwnPoints,
     /// Those on a crest.
@@ -59,7 +60,7 @@ pub(super) struct Scratch {
 impl Default for Scratch {
     fn default() -> Self {
         Self {
-            found: [OnFacet::default(); MOST_FOUND],
+            found: Deepest::new(),
             own: OwnPoints::default(),
             points: Points::default(),
         }
@@ -76,7 +77,7 @@ pub(super) fn on_surface(
 ) {
     let around = shape.solid.reach + sink.reach;
     let Scratch { found, own, points } = scratch;
-    let mut count = 0;
+    found.clear();
     own.clear();
     let (reach, rounding) = (sink.reach, shape.solid.rounding());
     let take = |own: &mut OwnPoints, index, facet: &Facet, part: Parts| {
@@ -99,27 +100,14 @@ pub(super) fn on_surface(
             if corner && (is_beyond(surface, n, &point) || is_off(surface, n, &point, rounding)) {
                 return;
             }
-            let by_depth = |a: &usize, b: &usize| {
-                let [a, b] = [a, b].map(|i| found[*i].point.depth);
-                a.total_cmp(&b)
+            let place = OnFacet {
+                own,
+                facet: index,
+                beside,
+                hidden: false,
+                point,
             };
-            let place = if count < MOST_FOUND {
-                count += 1;
-                Some(count - 1)
-            } else {
-                (0..MOST_FOUND)
-                    .min_by(by_depth)
-                    .filter(|&i| found[i].point.depth < point.depth)
-            };
-            if let Some(place) = place {
-                found[place] = OnFacet {
-                    own,
-                    facet: index,
-                    beside,
-                    hidden: false,
-                    point,
-                };
-            }
+            found.add(point.depth, place);
         });
     };
     if let Some(nearby) = nearby {
@@ -130,29 +118,29 @@ pub(super) fn on_surface(
             take(own, index, facet, Parts::ALL);
         });
     }
-    let found = &mut found[..count];
-    found.sort_unstable_by(|a, b| {
+    let found = found.all();
+    found.sort_unstable_by(|(_, a), (_, b)| {
         let by_depth = a.point.depth.total_cmp(&b.point.depth);
         a.own.cmp(&b.own).then(by_depth).then(a.facet.cmp(&b.facet))
     });
     let facet = |this: &OnFacet| &surface.facets()[this.facet];
     for i in 0..found.len() {
-        let this = &found[i];
+        let (_, this) = &found[i];
         if this.beside {
             // What stands on a hill of many triangles is lowest, for each of them, beyond it.
-            let mut others = found.iter().filter(|other| other.own == this.own);
+            let mut others = found.iter().filter(|(_, other)| other.own == this.own);
             let n = &facet(this).normal;
             let x = this.point.x;
-            let alone = others.all(|other| other.beside)
+            let alone = others.all(|(_, other)| other.beside)
                 && surface.is_any_near(&x, sink.reach + shape.solid.rounding(), |next| {
                     (next.normal - n).norm() < CREST_SLACK && next.is_below(&x, 0.0)
                 });
             if !alone {
-                found[i].hidden = true;
+                found[i].1.hidden = true;
                 continue;
             }
         }
-        let hidden = found[..i].iter().any(|nearer| {
+        let hidden = found[..i].iter().any(|(_, nearer)| {
             let same = || {
                 let turned = facet(nearer).normal - facet(this).normal;
                 this.point.depth - nearer.point.depth <= SEAM && turned.norm() < EVEN_EDGE
@@ -166,7 +154,7 @@ pub(super) fn on_surface(
         if !hidden {
             sink.add(&facet(this).normal, this.point);
         }
-        found[i].hidden = hidden;
+        found[i].1.hidden = hidden;
     }
 }
 
