@@ -134,7 +134,7 @@ impl<X: Spoil> Spoil for ElastoPlastic<X> {
 
 spoil!(Pose: R p;);
 spoil!(SpatialInertia: mass moment rotational;);
-spoil!(HuntCrossley: stiffness dissipation;);
+spoil!(HuntCrossley: stiffness damping;);
 spoil!(SpeedLine: stall no_load;);
 spoil!(Response: depth force slope load friction;);
 spoil!(Resistance<Vec3>: force slope slip;);

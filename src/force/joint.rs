@@ -14,11 +14,12 @@ use super::memory::Memory;
 use crate::closure::Felt;
 use crate::inputs::{Command, Inputs};
 use crate::kinematics::Kinematics;
-use crate::law::{ElastoPlastic, HuntCrossley, SpeedLine, stribeck};
+use crate::law::{Damping, ElastoPlastic, HuntCrossley, SpeedLine, stribeck};
 use crate::model::{ActuatorMode, Model};
 use crate::tree::{DryFriction, Tree};
 use crate::tuning::{
-    BRAKING_SHARE, FRICTION_DEFLECTION, LEAST_FREE, LIMIT_REACH, MOTOR_RELAXATION, SERVO_DEFLECTION,
+    BRAKING_SHARE, FRICTION_DEFLECTION, LEAST_FREE, LIMIT_DEFLECTION, LIMIT_REACH,
+    MOTOR_RELAXATION, SERVO_DEFLECTION,
 };
 
 /// Effort of an actuator in effort mode.
@@ -276,10 +277,6 @@ impl JointTerm {
     pub(super) fn set(&mut self, s: &Start) {
         let (tree, dof) = (s.tree, self.dof);
         self.damping = tree.dofs.damping[dof];
-        self.limit = HuntCrossley {
-            stiffness: tree.dofs.limit_stiffness[dof],
-            dissipation: tree.contact.dissipation,
-        };
         self.speed_limit = tree.dofs.speed_limit[dof];
         self.speed_damping = tree.dofs.speed_damping[dof];
         let (speed, sliding) = (s.v[dof].abs(), s.memory.sliding[dof]);
@@ -294,6 +291,11 @@ impl JointTerm {
             let q = s.q[self.coordinate];
             self.gap = [q - limits.lower, limits.upper - q];
         }
+        let depth = -self.gap[0].min(self.gap[1]);
+        self.limit = HuntCrossley {
+            stiffness: tree.dofs.limit_stiffness[dof],
+            damping: Damping::leaving(tree.contact.dissipation, depth / LIMIT_DEFLECTION),
+        };
         if let Some(index) = self.actuator {
             let (actuator, [t, h]) = (&s.model.actuators[index], s.times);
             let mut command = s.inputs.command(index, t, h);

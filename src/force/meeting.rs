@@ -11,8 +11,7 @@ use crate::law::{Damping, ElastoPlastic, stribeck};
 use crate::spatial::Vec3;
 use crate::tree::{Surface, Tree};
 use crate::tuning::{
-    BOUNCE_THRESHOLD, DEEP_OVERLAP, EMERGENCE, PRESSED, PRESSED_IN, SMOOTH_OVERLAP,
-    TANGENTIAL_RATIO,
+    BOUNCE_THRESHOLD, DEEP_OVERLAP, EMERGENCE, PRESSED_IN, SMOOTH_OVERLAP, TANGENTIAL_RATIO,
 };
 
 /// How two shapes meet.
@@ -124,13 +123,13 @@ impl Meeting<'_> {
         if contact.bounce > 0.0 {
             return Damping::new(contact.bounce);
         }
-        let common = Damping::new(self.dissipation);
+        let weights = contact.spring.weights(contact.depth);
+        let common = Damping::leaving(self.dissipation, weights);
         let excess = contact.depth - DEEP_OVERLAP * contact.spring.reference;
         // It leaves faster than a light touch, but slower than it would hop.
         let hop = libm::sqrt(2.0 * gravity * excess.max(0.0));
         Damping {
             fastest: common.fastest.max(EMERGENCE * hop),
-            power: libm::log(contact.spring.weights(contact.depth) / PRESSED).max(1.0),
             ..common
         }
     }

@@ -1,6 +1,8 @@
-//! How a contact is damped as it comes nearer and as it leaves.
+//! How a contact or a joint's limit is damped as it comes nearer and as it leaves.
 
-/// The factor on the force of a contact's spring.
+use crate::tuning::PRESSED;
+
+/// The factor on the force of the spring of a contact or of a joint's limit.
 ///
 /// 1. A contact has the factor `1 + D δ̇` of Hunt & Crossley: nothing pushes what leaves faster
 ///    than `v_e = 1/D`.
@@ -18,6 +20,7 @@
 ///    then leaves so softly that fixed steps did not tell it from what stays: of 3200 rods that
 ///    landed on an end 9 were thrown back.
 /// 4. An overlap that an initial pose has put there leaves with a `v_e` above `1/D`.
+/// 5. A limit has the same law. What its spring is made for is the effort limit of its joint.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Damping {
     /// `D`, s/m.
@@ -36,6 +39,15 @@ impl Damping {
             fastest: 1.0 / dissipation,
             power: 1.0,
         }
+    }
+
+    /// That of a spring that has been pressed in to so many times the load that it is made for.
+    pub fn leaving(dissipation: f64, loads: f64) -> Self {
+        let mut damping = Self::new(dissipation);
+        if loads > PRESSED {
+            damping.power = libm::log(loads / PRESSED).max(1.0);
+        }
+        damping
     }
 
     /// The factor where the depth grows at `rate`, m/s, and its derivative with that, s/m; both 0
@@ -64,7 +76,6 @@ impl Damping {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tuning::PRESSED;
 
     #[test]
     fn the_factor_has_its_derivative_and_ends_where_nothing_pushes_any_more() {
@@ -116,10 +127,7 @@ mod tests {
             (1e4, [0.901, 45.74]),
             (1e6, [0.821, 50.49]),
         ] {
-            let damping = Damping {
-                power: libm::log(strength / PRESSED).max(1.0),
-                ..Damping::new(1.0)
-            };
+            let damping = Damping::leaving(1.0, strength);
             let (mut low, mut high) = (-1.0, 0.0);
             for _ in 0..60 {
                 let rate = 0.5 * (low + high);

@@ -2,10 +2,11 @@
 //!
 //! With the gap `g` at the start of a step of `h` seconds (negative in contact) and the velocity
 //! `v` at its end, positive apart, the penetration at the end is `x = −g − h v`, and the force `F =
-//! k x₊ (1 − d v)₊`: it falls with `v`.
+//! k x₊ (1 − d v)₊`: it falls with `v`. What is deep leaves by a softer law, see [`Damping`].
 //!
 //! Source: Hunt & Crossley 1975.
 
+use super::Damping;
 use crate::tuning::{
     LEAST_NUMBER, LIMIT_DEFLECTION, RESTITUTION_ACCURACY, RESTITUTION_STEP, RESTITUTION_STEPS,
     RESTITUTION_TRIALS, STIFFEST,
@@ -16,8 +17,8 @@ use crate::tuning::{
 pub struct HuntCrossley {
     /// Stiffness `k`, N/m or N·m/rad.
     pub stiffness: f64,
-    /// Dissipation `d`, s/m or s/rad.
-    pub dissipation: f64,
+    /// Its damping.
+    pub damping: Damping,
 }
 
 impl HuntCrossley {
@@ -26,13 +27,12 @@ impl HuntCrossley {
     #[inline]
     pub fn respond(&self, gap: f64, v: f64, h: f64) -> (f64, f64) {
         let elastic = self.stiffness * (-gap - h * v);
-        let damping = 1.0 - self.dissipation * v;
-        if elastic > 0.0 && damping > 0.0 {
-            let stiffness = h * self.stiffness * damping + self.dissipation * elastic;
-            (h * elastic * damping, h * stiffness)
-        } else {
-            (0.0, 0.0)
+        if elastic <= 0.0 {
+            return (0.0, 0.0);
         }
+        let (factor, change) = self.damping.factor(-v);
+        let stiffness = h * self.stiffness * factor + change * elastic;
+        (h * elastic * factor, h * stiffness)
     }
 
     /// Force at the start of the step, N or N·m, of a spring that sets in within `onset`, m or rad;
@@ -43,7 +43,7 @@ impl HuntCrossley {
     ///    crosses this place with every shock, by a ten-thousandth of a millimetre. A step solves
     ///    for the force and does not mind, but an integrator that takes the slope of one side for
     ///    both is off, and it shortens its steps or gives up.
-    /// 2. With the onset `ε` the force is `k s(x) (1 − d v)₊` of
+    /// 2. With the onset `ε` the spring's force is `k s(x)` with
     ///    `s(x) = (1 + ε²/x₁²) x³/(x² + ε²)`: slope and curvature begin at 0. As it begins with a
     ///    cube, differences that leave an error of fourth order also do so across its beginning.
     /// 3. With `x₁` = [`LIMIT_DEFLECTION`] the force is the old one where the joint's effort limit
@@ -57,7 +57,7 @@ impl HuntCrossley {
             let onset = onset * onset;
             depth *= (1.0 + onset / full) * squared / (squared + onset);
         }
-        self.stiffness * depth * (1.0 - self.dissipation * v).max(0.0)
+        self.stiffness * depth * self.damping.factor(-v).0
     }
 
     /// Energy that the spring holds at a gap, J.
@@ -294,7 +294,7 @@ mod tests {
         let (stiffness, onset) = (2e6, LIMIT_ONSET);
         let law = HuntCrossley {
             stiffness,
-            dissipation: 51.0,
+            damping: Damping::new(51.0),
         };
         let force = |depth: f64| law.gradual(-depth, 0.0, onset);
         let most = stiffness * LIMIT_DEFLECTION;

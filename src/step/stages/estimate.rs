@@ -132,7 +132,7 @@ impl Stages {
             let (dof, acts) = (term.dof, term.at_limits(first.v[term.dof], eta));
             for (acts, sign) in acts.into_iter().zip([-1.0, 1.0]) {
                 if acts {
-                    let speed = (sign * from.v[dof]).min(1.0 / term.limit.dissipation);
+                    let speed = (sign * from.v[dof]).min(term.limit.damping.fastest);
                     most = most.max(tree.dofs.weight[dof] * speed);
                 }
             }

@@ -131,3 +131,35 @@ fn a_rover_that_begins_askew_in_the_ground_rises_in_few_steps() {
     let z = s.state().physical.q[2];
     assert!((z - 0.15).abs() < 2e-3, "{z}");
 }
+
+/// An arm of two links of 1 kg and 1 m without gravity and motors, whose first joint begins beyond
+/// its limit and has an effort limit of 1000 N·m: it comes back at the 0.0196 rad/s of the default
+/// dissipation of 51 s/rad. While the factor on the springs of limits fell evenly to 0 at this
+/// speed, the force that turns the second link had to be found within 1e-9 of it: 1,300 tries at
+/// 1e-4, 24,000 at 1e-5, and more than 100,000 from farther out.
+#[test]
+fn an_arm_that_begins_beyond_its_limits_comes_back_in_few_steps() {
+    for beyond in [0.05, 0.2, 1.0, 29.0] {
+        for tolerance in [1e-3, 1e-4, 1e-5] {
+            let mut b = Builder::new(false, inertia(1.0, Vec3::zeros(), [0.1; 3]));
+            let mut last = 0u32.into_link();
+            for x in [0.0, 1.0] {
+                let rod = inertia(1.0, X * 0.5, [0.01, 0.1, 0.1]);
+                last = b.link(last, at(x, 0.0, 0.0), Motion::Revolute(Y), rod);
+                b.limits(last, -1.0, 1.0);
+            }
+            let mut model = b.model;
+            model.world.gravity = Vec3::zeros();
+            model.joints[0].effort = Some(1000.0);
+            model.initial.joint_positions[0] = 1.0 + beyond;
+            let mut s = start(model, tolerance);
+            for i in 1..=60 {
+                s.advance_to(f64::from(i) / 240.0).expect("finite");
+            }
+            let tries = s.output(OutputSlot::Steps) + s.output(OutputSlot::Rejected);
+            assert!(tries < 120.0, "{tries} tries at {tolerance}, {beyond}");
+            let speed = -s.state().physical.v[0] * s.tree().contact.dissipation;
+            assert!((0.9..1.1).contains(&speed), "{speed}");
+        }
+    }
+}
