@@ -112,9 +112,11 @@ pub fn parse(text: &str, file: &Path) -> (Option<Element>, Vec<Wrong>) {
         file: Some(Rc::clone(&file)),
         ..element(tag, at, wrong)
     };
-    let mut reader = reader(text);
-    // Where the reader began, and where it is to go on behind what is no tag.
-    let (mut base, mut resume) = (0, None);
+    // Where the reader begins, and where it is to go on behind what is no tag. It would skip a byte
+    // order mark without counting it.
+    let mut base = text.len() - text.trim_start_matches('\u{feff}').len();
+    let mut resume = None;
+    let mut reader = reader(&text[base..]);
     let mut open: Vec<Element> = Vec::new();
     // Where elements of a name end themselves, the last of each.
     let mut empty: BTreeMap<String, usize> = BTreeMap::new();
