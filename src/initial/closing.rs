@@ -209,9 +209,11 @@ impl Search<'_> {
             self.closed.push(&self.forces, &mut self.change);
             let mut stopped = false;
             for body in &self.tree.bodies {
-                let (Kind::Turn | Kind::Slide, Some(limits)) =
-                    (body.kind, self.tree.dofs.limits[body.dof])
-                else {
+                // Scenery has no degree of freedom.
+                if !matches!(body.kind, Kind::Turn | Kind::Slide) {
+                    continue;
+                }
+                let Some(limits) = self.tree.dofs.limits[body.dof] else {
                     continue;
                 };
                 let (place, change) = (q[body.coordinate], self.change[body.dof]);

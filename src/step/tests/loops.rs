@@ -1,6 +1,6 @@
 //! Closed loops.
 
-use super::worlds::books;
+use super::worlds::{books, table, world};
 use super::*;
 use crate::closure::testing::{add, anchor, ends_at};
 use crate::model::{Anchor, LoopKind};
@@ -388,4 +388,21 @@ fn a_loop_that_is_nearly_stretched_out_makes_no_energy_in_fixed_steps() {
         let gained = books(&s).2 - begin;
         assert!(gained < 1e-3, "{gained} J after {i} of 1/240 s");
     }
+}
+
+/// A four-bar whose initial pose is open by centimetres closes to the same bits beside a table,
+/// which has no degree of freedom, as without it. The search for the pose once read the limits of
+/// a degree of freedom that the table has not, and ended in a panic.
+#[test]
+fn a_loop_closes_at_the_start_beside_what_stands_still() {
+    let open = || {
+        let mut b = four_bar(LoopKind::Ball);
+        b.model.initial.joint_positions = vec![1.5, -1.6, 1.2];
+        b.model
+    };
+    let alone = start(open(), 1e-3);
+    let beside = start(world([open(), table()]), 1e-3);
+    assert!(gap(&alone) < 1e-9 && gap(&beside) < 1e-9);
+    let [alone, beside] = [alone, beside].map(|s| s.state().physical.q.clone());
+    assert_eq!(alone, beside);
 }
