@@ -24,6 +24,7 @@ mod island;
 mod pairs;
 mod parts;
 mod scale;
+mod scenery;
 mod seams;
 
 pub use base::BaseFrame;
@@ -32,6 +33,8 @@ pub use parts::{
     Actuators, Contacts, Dofs, DryFriction, Extent, Island, Span, Surface, Tree, TreeBody,
     TreeCollider, Turning, World, harmonic_mean,
 };
+
+use scenery::Scenery;
 
 use crate::geometry::pair::Solid;
 use crate::geometry::{Faces, Shape};
@@ -98,6 +101,7 @@ impl Tree {
                 stribeck_velocity: model.contact.stribeck_velocity,
                 combination: model.world.combination,
                 pairs: Vec::new(),
+                scenery: Scenery::default(),
                 has_ground: model.world.ground.is_some(),
                 ground: Surface::default(),
             },
@@ -124,6 +128,7 @@ impl Tree {
         }
         tree.add_closures(model, &frames);
         tree.add_colliders(model, &frames, known);
+        tree.contact.scenery = tree.scenery();
         tree.sparsity = tree.pattern();
         tree.select_all();
         for joint in &model.joints {

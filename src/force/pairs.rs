@@ -1,8 +1,8 @@
 //! Pairs of shapes that come near each other.
 //!
 //! Which pairs may touch is known beforehand, see [`crate::tree::Contacts::may_touch`]. Which come
-//! near is found by sorting the balls about all shapes along x; where these come near, [`Patch`]
-//! finds the points.
+//! near is found by sorting the balls about all shapes along x, those of the scenery once and for
+//! all; where these come near, [`Patch`] finds the points.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -15,14 +15,13 @@ use crate::model::Model;
 use crate::spatial::{Pose, Vec3, Vec6, angular, velocity_at};
 use crate::tree::{Tree, TreeCollider};
 use crate::tuning::CONTACT_MARGIN;
+use std::cmp::Ordering;
 
 /// Scratch of the search for pairs.
 #[derive(Clone, Debug, Default)]
 pub struct Pairs {
-    /// A ball about each shape.
+    /// A ball about each shape that moves and is no terrain, by ascending `Ball::low`.
     balls: Vec<Ball>,
-    /// Places in `balls` of what is no terrain, by ascending `Ball::low`.
-    order: Vec<usize>,
     /// Places of terrain, and where it stands.
     grounds: Vec<(usize, Pose)>,
     /// What is known from before of each terrain, in the order of `grounds`, and each shape. It
@@ -39,14 +38,22 @@ pub struct Pairs {
 /// A ball in which a shape stays for the time that is looked ahead.
 #[derive(Clone, Copy, Debug, Default)]
 struct Ball {
+    /// Place of the shape.
+    place: usize,
     /// Centre in the world, m.
     center: Vec3,
     /// m
     radius: f64,
     /// Its least x, m.
     low: f64,
-    /// How fast points of the shape move, at most, m/s.
-    speed: f64,
+}
+
+impl Ball {
+    /// Whether it has something in common with another one.
+    fn meets(&self, center: &Vec3, radius: f64) -> bool {
+        let reach = self.radius + radius;
+        (self.center - center).norm_squared() < reach * reach
+    }
 }
 
 /// What is known of terrain from before.
@@ -141,7 +148,6 @@ impl Pairs {
         };
         Self {
             balls: Vec::with_capacity(shapes),
-            order: Vec::with_capacity(shapes),
             grounds: Vec::with_capacity(shapes),
             known: KnownGround::of(model, shapes),
             near: Vec::with_capacity(shapes * shapes.saturating_sub(1) / 2),
@@ -166,7 +172,6 @@ impl Pairs {
         };
         self.search(tree, kin, [h, margin]);
         let Self {
-            balls,
             near,
             grounds,
             known,
@@ -176,13 +181,12 @@ impl Pairs {
         let enough = near.iter().any(|&places| {
             !pass_over(places)
                 && Pair::new(tree, kin, places).is_some_and(|pair| {
-                    let speed: f64 = places.iter().map(|&place| balls[place].speed).sum();
                     let ground = grounds.iter().position(|(place, _)| places.contains(place));
                     let nearby = ground.and_then(|ground| {
                         let shape = usize::from(grounds[ground].0 == places[0]);
                         known[ground].shapes[places[shape]].nearby.as_mut()
                     });
-                    let reach = h * speed + margin;
+                    let reach = h * pair.speed(kin) + margin;
                     let touch = if ground.is_some() {
                         pair.touch(&mut patch, reach, nearby)
                     } else {
@@ -236,11 +240,7 @@ impl Pairs {
         self.balls.clear();
         self.near.clear();
         self.grounds.clear();
-        self.balls
-            .resize(tree.contact.colliders.len(), Ball::default());
-        // By insertion: neighbours in the model are often neighbours in space.
-        self.order.clear();
-        for (place, collider) in tree.worked_colliders() {
+        for (place, collider) in tree.worked_movers() {
             if let Some(X) = terrain_at(collider, kin) {
                 self.grounds.push((place, X));
                 continue;
@@ -248,19 +248,16 @@ impl Pairs {
             let (center, speed) = kin.ball(collider);
             let radius = collider.radius + h * speed + 0.5 * margin;
             let center = center + kin.origins[collider.tree];
-            let low = center.x - radius;
-            self.balls[place] = Ball {
+            self.balls.push(Ball {
+                place,
                 center,
                 radius,
-                low,
-                speed,
-            };
-            let mut at = self.order.len();
-            while at > 0 && self.balls[self.order[at - 1]].low > low {
-                at -= 1;
-            }
-            self.order.insert(at, place);
+                low: center.x - radius,
+            });
         }
+        sort(&mut self.balls, |a, b| {
+            a.low.total_cmp(&b.low).then(a.place.cmp(&b.place))
+        });
         for ((ground, X), known) in self.grounds.iter().zip(&mut self.known) {
             known.turn_to(*ground, X);
         }
@@ -271,43 +268,48 @@ impl Pairs {
                 near.push(pair);
             }
         };
-        for (rank, &first) in self.order.iter().enumerate() {
-            let a = &self.balls[first];
-            for &second in &self.order[rank + 1..] {
-                let b = &self.balls[second];
-                if b.low > a.center.x + a.radius {
+        for (rank, a) in self.balls.iter().enumerate() {
+            let high = a.center.x + a.radius;
+            for b in &self.balls[rank + 1..] {
+                if b.low > high {
                     break;
                 }
-                let reach = a.radius + b.radius;
-                if (a.center - b.center).norm_squared() < reach * reach {
-                    add(first, second);
+                if a.meets(&b.center, b.radius) {
+                    add(a.place, b.place);
+                }
+            }
+            let range = [a.low - 0.5 * margin, high + 0.5 * margin];
+            for b in tree.contact.scenery.within(range) {
+                if a.meets(&b.center, b.radius + 0.5 * margin) && tree.takes(b.tree) {
+                    add(a.place, b.place);
                 }
             }
             for ((ground, X), known) in self.grounds.iter().zip(&mut self.known) {
                 let terrain = &tree.contact.colliders[*ground];
-                if known.shapes[first].may_be_near(terrain, X, a, 0.5 * margin) {
-                    add(first, *ground);
+                if known.shapes[a.place].may_be_near(terrain, X, a, 0.5 * margin) {
+                    add(a.place, *ground);
                 }
             }
         }
-        sort(&mut self.near);
+        sort(&mut self.near, Ord::cmp);
     }
 }
 
-/// A few pairs by insertion: the standard library takes longer where it is optimised for size.
-fn sort(pairs: &mut [[usize; 2]]) {
+/// A few by insertion: the standard library takes longer where it is optimised for size, and
+/// neighbours in the model are often neighbours in space.
+fn sort<T: Copy>(list: &mut [T], compare: impl Fn(&T, &T) -> Ordering) {
     const FEW: usize = 50;
-    if pairs.len() > FEW {
-        return pairs.sort_unstable();
+    if list.len() > FEW {
+        return list.sort_unstable_by(compare);
     }
-    for last in 1..pairs.len() {
-        let pair = pairs[last];
+    for last in 1..list.len() {
+        let item = list[last];
         let mut at = last;
-        while at > 0 && pairs[at - 1] > pair {
-            pairs[at] = pairs[at - 1];
+        while at > 0 && compare(&list[at - 1], &item) == Ordering::Greater {
+            list[at] = list[at - 1];
             at -= 1;
         }
-        pairs[at] = pair;
+        list[at] = item;
     }
 }
 
@@ -331,30 +333,43 @@ fn clearance(ground: &TreeCollider, X: &Pose, center: &Vec3, radius: f64) -> f64
 /// Whether no two shapes come near within `h` seconds, by twice the way that velocities and gravity
 /// take them.
 pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
-    let fall = 2.0 * h * h * tree.world.gravity.norm();
+    let more = 2.0 * h * h * tree.world.gravity.norm() + CONTACT_MARGIN;
     let ball = |c: &TreeCollider| {
         let (center, speed) = kin.ball(c);
         let center = center + kin.origins[c.tree];
-        let radius = c.radius + 2.0 * h * speed + fall + CONTACT_MARGIN;
-        let low = center.x - radius;
+        let radius = c.radius + 2.0 * h * speed + more;
         Ball {
+            place: 0,
             center,
             radius,
-            low,
-            speed,
+            low: center.x - radius,
         }
     };
-    tree.worked_colliders().all(|(first, collider)| {
+    tree.worked_movers().all(|(first, collider)| {
         let own = ball(collider);
         let ground = terrain_at(collider, kin);
-        let mut others = tree.worked_colliders().skip_while(|(at, _)| *at <= first);
-        others.all(|(second, c)| {
-            !tree.contact.may_touch([first, second]) || {
-                let grounds = [&ground, &terrain_at(c, kin)];
-                !balls_meet([collider, c], grounds, [&own, &ball(c)], 0.0)
-            }
-        })
+        let apart = |second: usize| {
+            let c = &tree.contact.colliders[second];
+            !tree
+                .contact
+                .may_touch([first.min(second), first.max(second)])
+                || {
+                    let grounds = [&ground, &terrain_at(c, kin)];
+                    !balls_meet([collider, c], grounds, [&own, &ball(c)], 0.0)
+                }
+        };
+        let range = [own.low - more, own.center.x + own.radius + more];
+        let mut others = tree.worked_movers().skip_while(|(at, _)| *at <= first);
+        others.all(|(second, _)| apart(second)) && scenery(tree, range).all(apart)
     })
+}
+
+/// Places of the scenery that a shape may meet which stays in a range of x, m.
+fn scenery(tree: &Tree, range: [f64; 2]) -> impl Iterator<Item = usize> + use<'_> {
+    let within = tree.contact.scenery.within(range);
+    within
+        .filter(|still| tree.takes(still.tree))
+        .map(|still| still.place)
 }
 
 /// Whether balls about two shapes are nearer than `reach`, m; of terrain, which stands at its place
@@ -398,7 +413,11 @@ pub fn may_pass(tree: &Tree, kin: &Kinematics, A: &[Vec6], h: f64, felt: &[usize
         };
         (ball, way)
     };
-    let may = |places: [usize; 2], [a, b]: [&TreeCollider; 2]| {
+    let may = |places: [usize; 2]| {
+        if !tree.contact.may_touch(places) {
+            return false;
+        }
+        let [a, b] = places.map(|place| &tree.contact.colliders[place]);
         let slot = tree.contact.slot(places);
         let own = slot..slot + MOST_PARTS;
         if felt.iter().any(|slot| own.contains(slot)) {
@@ -415,11 +434,13 @@ pub fn may_pass(tree: &Tree, kin: &Kinematics, A: &[Vec6], h: f64, felt: &[usize
             && balls_meet([a, b], grounds.each_ref(), [&own, &other], reach)
             && pair.is_near(reach)
     };
-    tree.worked_colliders().any(|(first, a)| {
-        let mut others = tree.worked_colliders().skip_while(|(at, _)| *at <= first);
-        others.any(|(second, b)| {
-            tree.contact.may_touch([first, second]) && may([first, second], [a, b])
-        })
+    tree.worked_movers().any(|(first, a)| {
+        let mut others = tree.worked_movers().skip_while(|(at, _)| *at <= first);
+        let (own, way) = ball(a);
+        let reach = own.radius + way;
+        let range = [own.center.x - reach, own.center.x + reach];
+        others.any(|(second, _)| may([first, second]))
+            || scenery(tree, range).any(|second| may([first.min(second), first.max(second)]))
     })
 }
 

@@ -80,6 +80,11 @@ impl Tree {
         trees.filter(|(index, tree)| self.takes(*index) && tree.moves())
     }
 
+    /// Mass of all bodies that a step moves, kg.
+    pub fn moving_mass(&self) -> f64 {
+        self.moved().map(|(_, tree)| tree.moving_mass).sum()
+    }
+
     /// The bodies of a span, with their indices, parents before children.
     #[inline]
     pub fn bodies_of(
@@ -105,6 +110,13 @@ impl Tree {
     /// Shapes of the trees that a step works on, with their places among all.
     pub fn worked_colliders(&self) -> impl Iterator<Item = (usize, &TreeCollider)> + '_ {
         let colliders = self.contact.colliders.iter().enumerate();
+        colliders.filter(|(_, collider)| self.takes(collider.tree))
+    }
+
+    /// Those of them that are no scenery, or terrain, by ascending places.
+    pub fn worked_movers(&self) -> impl Iterator<Item = (usize, &TreeCollider)> + '_ {
+        let movers = self.contact.scenery.movers.iter();
+        let colliders = movers.map(|&place| (place, &self.contact.colliders[place]));
         colliders.filter(|(_, collider)| self.takes(collider.tree))
     }
 

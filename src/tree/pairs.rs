@@ -1,6 +1,7 @@
 //! Which shapes may touch each other.
 
 use super::parts::{Tree, TreeCollider};
+use super::scenery::Scenery;
 use crate::model::{LinkId, Model};
 use std::collections::BTreeSet;
 
@@ -29,6 +30,21 @@ impl Tree {
             }
         }
         pairs
+    }
+
+    /// Which shapes never move and end somewhere, of bases that stand still.
+    pub(super) fn scenery(&self) -> Scenery {
+        let (mut movers, mut still) = (Vec::new(), Vec::new());
+        for (place, collider) in self.contact.colliders.iter().enumerate() {
+            let solid = collider.solid.as_ref();
+            if collider.moves || solid.is_some_and(|solid| solid.is_terrain()) {
+                movers.push(place);
+            } else {
+                let center = self.trees[collider.tree].base.compose(&collider.X).p;
+                still.push((place, collider.tree, center, collider.radius));
+            }
+        }
+        Scenery::new(movers, still)
     }
 
     /// Whether two shapes of one tree belong to bodies that move against each other and do not meet

@@ -3,6 +3,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::closure::{Closure, TreeSpring};
+use super::scenery::Scenery;
 use crate::geometry::Faces;
 use crate::geometry::pair::{MOST_PARTS, Solid};
 use crate::joint::Kind;
@@ -153,6 +154,8 @@ pub struct Contacts {
     /// Whether each pair of `colliders` may touch: the one at `a * colliders.len() + b`, `a < b`;
     /// empty where none may.
     pub pairs: Vec<bool>,
+    /// Which of them never move, and which do.
+    pub scenery: Scenery,
     /// Whether there is a ground.
     pub has_ground: bool,
     /// Surface of the ground; filled by [`Tree::tune`].
@@ -411,11 +414,6 @@ impl Contacts {
 }
 
 impl Tree {
-    /// Mass of all bodies that a step moves, kg.
-    pub fn moving_mass(&self) -> f64 {
-        self.moved().map(|(_, tree)| tree.moving_mass).sum()
-    }
-
     /// Whether everything that moves has an inertia, and every spring is finite.
     pub fn is_sound(&self) -> bool {
         let mut springs = self.contact.colliders.iter().map(|c| &c.spring);
