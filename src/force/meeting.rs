@@ -38,10 +38,11 @@ impl Meeting<'_> {
         let (V, g) = (&kin.V, tree.world.gravity.norm());
         let speed = contact.normal_velocity(points, V);
         let u = contact.sliding(V);
-        contact.bounce = stored.bounce;
         let surface = self.surface;
         let mass = contact.mass;
+        // What has come in with a restitution that has been set to 0 since bounces no more.
         if surface.restitution > 0.0 {
+            contact.bounce = stored.bounce;
             let number = surface.dissipation_number;
             // It falls until it touches.
             let above = (-contact.depth).max(0.0);

@@ -406,3 +406,31 @@ fn what_begins_in_something_else_leaves_it_slowly_whatever_its_restitution() {
         }
     }
 }
+
+/// A ball hops on a ground of restitution 0.3, which is set to 0 on the way: it rests as it does
+/// with 0 from the beginning. While what had come in with a restitution went on as a bounce, each
+/// step took 1e-7 s, the shortest there is.
+#[test]
+fn a_restitution_that_is_set_to_0_ends_all_bounces() {
+    for (step, tolerance) in [(1.0 / 240.0, 1e-3), (0.0, 1e-3), (0.0, 1e-5)] {
+        for at in [80, 95, 110] {
+            let shape = Shape::Sphere { radius: 0.05 };
+            let mut model = body(1.0, shape, Vec3::z() * 0.15);
+            model.world.ground = Some(crate::model::Ground::default());
+            model.solver.step_size = step;
+            let mut s = start(model, tolerance);
+            s.set_parameter(ParameterSlot::GroundRestitution, 0.3);
+            let mut before = 0.0;
+            for i in 1..=144 {
+                if i == at {
+                    s.set_parameter(ParameterSlot::GroundRestitution, 0.0);
+                    before = s.output(OutputSlot::Steps) + s.output(OutputSlot::Rejected);
+                }
+                s.advance_to(f64::from(i) / 240.0).expect("finite");
+            }
+            let tries = s.output(OutputSlot::Steps) + s.output(OutputSlot::Rejected) - before;
+            assert!(tries < 100.0, "{tries} tries, {at} {step} {tolerance}");
+            assert!(s.state().physical.v.iter().all(|v| v.abs() < 1e-9));
+        }
+    }
+}
