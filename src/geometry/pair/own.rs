@@ -70,9 +70,10 @@ impl OwnPoints {
             if depth <= -reach {
                 continue;
             }
-            let slack = depth.max(0.0) + shape.solid.rounding();
-            let over = facet.is_below(&p.over, slack);
-            if over || p.end.is_some_and(|end| facet.is_below(&end, slack)) {
+            let carries =
+                |over: &Vec3| facet.carries_over(over, || slack_of(shape, facet, over, depth));
+            let over = carries(&p.over);
+            if over || p.end.as_ref().is_some_and(carries) {
                 let share = if has_shares {
                     shape.solid.shares.share(own, &shape.R.tr_mul(&-n))
                 } else {
@@ -174,6 +175,16 @@ impl OwnPoints {
             }
             (*count, *placed) = (corners.len().min(MOST_CORNERS), true);
         }
+    }
+}
+
+/// How far beyond a hollow edge a triangle is continued below a point that is so deep behind its
+/// plane, m. A ball is deep behind the plane of a wall that it is far above, too: it lies on what
+/// goes on there no farther than it overlaps with the triangle itself.
+fn slack_of(shape: &Placed, facet: &Facet, over: &Vec3, depth: f64) -> f64 {
+    match shape.core {
+        Core::Point | Core::Segment { .. } => shape.solid.radius - facet.apart(over).norm(),
+        _ => depth.max(0.0) + shape.solid.rounding(),
     }
 }
 

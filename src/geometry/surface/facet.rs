@@ -150,6 +150,21 @@ impl Facet {
         })
     }
 
+    /// Whether a point is over the triangle or no farther than `slack`, m, beside it, beyond hollow
+    /// edges alone. What goes on beyond an edge ends where the edge does: above the corner at which
+    /// two walls of a hole and the floor meet is neither wall.
+    pub fn carries_over(&self, x: &Vec3, slack: impl FnOnce() -> f64) -> bool {
+        if !self.is_below(x, f64::INFINITY) {
+            return false;
+        }
+        let is_beyond =
+            |edge: usize| self.beyond[edge] == Beyond::Hollow && self.inside(x, edge) < 0.0;
+        !(0..3).any(is_beyond) || {
+            let beside = self.apart(&(x - self.normal * self.height(x)));
+            beside.norm() <= slack()
+        }
+    }
+
     /// Whether a place within `way`, m, of a point may be over the triangle, beyond hollow edges
     /// by up to `slack`, m, see [`Self::is_below`].
     pub fn may_be_below(&self, x: &Vec3, slack: f64, way: f64) -> bool {

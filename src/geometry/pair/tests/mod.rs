@@ -9,6 +9,7 @@ mod heights;
 mod jumps;
 mod meshes;
 mod nearby;
+mod solids;
 
 use super::{Patch, PatchPoint, Side, Solid};
 use crate::geometry::Shape;
