@@ -3,8 +3,9 @@
 //! 1. What carries the shape on a plane, see `on_plane` in `meet.rs`, on each triangle that is
 //!    below it. Of triangles that lie in one plane only one counts for a point, so that flat ground
 //!    is a plane however it is divided. Beyond a concave edge a triangle is continued. A point that
-//!    is behind two triangles of which the second lies behind the first, as at a crest, is as deep
-//!    as behind the nearer one.
+//!    is behind two triangles of which all of the second lies behind the first, as at a crest, is
+//!    as deep as behind the nearer one; solids that go through each other need no rule of their
+//!    own.
 //! 2. Crests: edges where the surface falls away or ends. An edge meets a shape as a capsule
 //!    without a radius does, where the direction between them lies between the normals of its two
 //!    triangles; outside these directions the triangles carry the shape.
@@ -147,15 +148,21 @@ pub(super) fn on_surface(
             };
             !nearer.hidden
                 && nearer.own == this.own
-                && (same()
-                    || nearer.point.depth > 0.0
-                        && facet(nearer).height(&facet(this).middle()) < 0.0)
+                && (same() || nearer.point.depth > 0.0 && is_behind(facet(nearer), facet(this)))
         });
         if !hidden {
             sink.add(&facet(this).normal, this.point);
         }
         found[i].1.hidden = hidden;
     }
+}
+
+/// Whether all of a triangle is behind the plane of another one, as beyond a crest. Where solids go
+/// through each other their surfaces meet in hollow edges alone, and a triangle of one of them that
+/// is behind the other one in part is not hidden by it.
+fn is_behind(nearer: &Facet, this: &Facet) -> bool {
+    let behind = |corner: &Vec3| nearer.height(corner) <= SEAM;
+    nearer.height(&this.middle()) < 0.0 && this.corners.iter().all(behind)
 }
 
 /// Whether a corner that is behind a triangle has left what is behind it on the other side, as

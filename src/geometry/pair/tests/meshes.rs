@@ -27,7 +27,7 @@ fn floor([from, to]: [f64; 2], cell: f64) -> Vec<Triangle> {
 }
 
 /// The sides of a box.
-fn sides(low: Vec3, high: Vec3) -> Vec<Triangle> {
+pub(super) fn sides(low: Vec3, high: Vec3) -> Vec<Triangle> {
     let corner = |i: usize| {
         let at = |k: usize| if i >> k & 1 == 1 { high[k] } else { low[k] };
         Vec3::new(at(0), at(1), at(2))
