@@ -80,7 +80,9 @@ pub(super) fn on_surface(
     let Scratch { found, own, points } = scratch;
     found.clear();
     own.clear();
-    let (reach, rounding) = (sink.reach, shape.solid.rounding());
+    // What an end of a capsule has about its middle, which is the corner of its core, m.
+    let about = shape.solid.radius - shape.solid.rounding();
+    let (reach, radius) = (sink.reach, shape.solid.radius);
     let take = |own: &mut OwnPoints, index, facet: &Facet, part: Parts| {
         for (crest, near) in facet.crests.iter().zip(part.crests) {
             if let (Some(crest), true) = (crest, near) {
@@ -96,9 +98,10 @@ pub(super) fn on_surface(
             return;
         }
         own.each_on(shape, facet, sink.reach, |own, point, beside| {
-            let corner = point.depth > rounding && rounding > 0.0;
-            let n = &facet.normal;
-            if corner && (is_beyond(surface, n, &point) || is_off(surface, n, &point, rounding)) {
+            let (corner, n) = (point.depth > radius && radius > 0.0, &facet.normal);
+            if corner
+                && (is_beyond(surface, n, &point, about) || is_off(surface, n, &point, radius))
+            {
                 return;
             }
             let place = OnFacet {
@@ -167,10 +170,11 @@ fn is_behind(nearer: &Facet, this: &Facet) -> bool {
 
 /// Whether a corner that is behind a triangle has left what is behind it on the other side, as
 /// behind a wall: the way from it to the triangle enters the solid first. That way is half as long
-/// on either side of the point between both, which `point` is.
-fn is_beyond(surface: &Surface, n: &Vec3, point: &PatchPoint) -> bool {
+/// on either side of the point between both, which `point` is. The middle of a capsule's end, which
+/// is farther in front by `about`, m, is its corner.
+fn is_beyond(surface: &Surface, n: &Vec3, point: &PatchPoint, about: f64) -> bool {
     let half = 0.5 * point.depth;
-    let [from, to] = [-half, half].map(|way| point.x + n * way);
+    let [from, to] = [about - half, half].map(|way| point.x + n * way);
     surface.is_any_near(&point.x, half, |other| {
         let [before, after] = [&from, &to].map(|x| other.height(x));
         before > 0.0 && after < 0.0 && {
@@ -181,10 +185,10 @@ fn is_beyond(surface: &Surface, n: &Vec3, point: &PatchPoint) -> bool {
 }
 
 /// Whether the place of a corner on the plane of a triangle is in front of the surface by more than
-/// `rounding`, m: beyond a hollow edge the plane goes on in what rises there, but not where lower
+/// `radius`, m: beyond a hollow edge the plane goes on in what rises there, but not where lower
 /// ground begins behind that. The nearest triangle tells; where its nearest place is on an edge,
 /// the one of both triangles that faces the place most.
-fn is_off(surface: &Surface, n: &Vec3, point: &PatchPoint, rounding: f64) -> bool {
+fn is_off(surface: &Surface, n: &Vec3, point: &PatchPoint, radius: f64) -> bool {
     let place = point.x + n * (0.5 * point.depth);
     let mut nearest = (f64::INFINITY, 0.0_f64);
     surface.is_any_near(&place, 1.5 * point.depth, |facet| {
@@ -196,7 +200,7 @@ fn is_off(surface: &Surface, n: &Vec3, point: &PatchPoint, rounding: f64) -> boo
         }
         false
     });
-    nearest.1 > rounding
+    nearest.1 > radius
 }
 
 /// Adds the points of a shape on an edge.

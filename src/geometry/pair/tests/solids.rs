@@ -129,3 +129,33 @@ fn a_ramp_that_goes_through_a_floor_hides_nothing_of_it() {
         }
     }
 }
+
+/// A capsule that lies across an edge of an upright plate, with its middle on one side and an end
+/// on the other: it is as deep as its axis is nearer to the edge than its radius. That end was
+/// up to 77 mm deep in the side that the middle is in front of, though the plate is 4 mm thick.
+#[test]
+fn the_end_of_a_capsule_beyond_a_plate_is_not_in_its_near_side() {
+    let (seed, deep, radius, half_length) = (37, 1e-4, 0.02, 0.08);
+    let mut random = Random(seed);
+    let plate = sides(Vec3::new(-2e-3, -0.5, -0.1), Vec3::new(2e-3, 0.5, 0.0));
+    let ground = ground(&plate);
+    let capsule = solid(&Shape::Capsule {
+        radius,
+        half_length,
+    });
+    for case in 0..100 {
+        let (tilt, before) = (random.uniform(0.5, 0.8), random.uniform(0.03, 0.04));
+        let edge = Vec3::new(2e-3, random.uniform(-0.2, 0.2), 0.0);
+        let R = turned(Vec3::y(), FRAC_PI_2 + tilt);
+        let (axis, across) = (R.column(2), R.column(0));
+        let p = edge - across * (radius - deep) - axis * before;
+        let end = p + axis * half_length;
+        assert!(p.x < -2e-3 && end.x > 2e-3 && end.z < 0.0, "{p}, {end}");
+        let mut patch = Patch::new();
+        let X = at(p, R);
+        patch.find((&capsule, &X), (&ground, &Pose::IDENTITY), 0.0);
+        let deepest = patch.points().iter().map(|p| p.depth).fold(0.0, f64::max);
+        let label = format!("seed {seed}, case {case}, {tilt} rad, {before} m");
+        assert!((deepest - deep).abs() < 1e-9, "{label}: {deepest} m");
+    }
+}
