@@ -239,12 +239,12 @@ pub fn bounded_hull(points: &[Vec3], most: usize) -> Result<BoundedHull, Geometr
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::spatial::{Mat3, rotation_from_rpy};
     use crate::testing::Random;
 
-    pub(super) fn corners(half: &Vec3) -> Vec<Vec3> {
+    pub(crate) fn corners(half: &Vec3) -> Vec<Vec3> {
         let signs = [-1.0, 1.0];
         let of = |x: f64| signs.map(|y| signs.map(|z| Vec3::new(x, y, z).component_mul(half)));
         signs.iter().flat_map(|&x| of(x)).flatten().collect()

@@ -27,6 +27,7 @@ mod outputs;
 mod pairs;
 mod robot;
 mod sink;
+mod terrain;
 mod touch;
 mod world;
 

@@ -46,6 +46,7 @@ mod field;
 mod flush;
 mod foot;
 mod gjk;
+mod lifts;
 mod meet;
 mod mesh;
 mod nearby;
@@ -66,6 +67,7 @@ mod view;
 
 pub use self::beside::Beside;
 pub use self::core::Solid;
+pub use self::lifts::Lifted;
 pub use self::nearby::Nearby;
 pub use self::points::{MOST_POINTS, PatchPoint, Rim, Side};
 pub use self::terrain::{MOST_PARTS, Part};

@@ -7,6 +7,7 @@ mod depths;
 mod distances;
 mod heights;
 mod jumps;
+pub(crate) mod lifts;
 mod meshes;
 mod nearby;
 mod solids;
