@@ -14,7 +14,7 @@ use crate::cli::{Check, Cli, Command, Deny, Expand, Explain, Export, Info, Init,
 use crate::diagnostics::{self, Style};
 use crate::importer::description::Description;
 use crate::importer::error::RunError;
-use crate::output::{OutputError, Target, print};
+use crate::output::{OutputError, Target, beside, print};
 use crate::stage::{self, Extras, Robot, StageError};
 use crate::{archive, info, init, library, listing, ssv, summary, xacro};
 use serde_json::json;
@@ -55,10 +55,8 @@ fn export(args: &Export) -> Result<(), CliError> {
     )?;
     let robot = stage::robot(&args.source.request(&args.urdf))?;
     print_findings(&robot.diagnostics, Severity::Warning)?;
-    let output = args.output.clone().unwrap_or_else(|| {
-        let stem = args.urdf.file_stem().unwrap_or("robot".as_ref());
-        PathBuf::from(stem).with_extension("fmu")
-    });
+    let output = args.output.clone();
+    let output = output.unwrap_or_else(|| beside(&args.urdf, "robot", "fmu"));
     let target = Target::new(&output, robot.sources.iter().map(PathBuf::as_path))?;
     refuse_ending(args.output.as_ref(), "--output", ["an FMU", "fmu"])?;
     let about = &robot.settings.fmu;
@@ -258,10 +256,8 @@ fn picture(args: &Picture) -> Result<(), CliError> {
         inputs.extend(robot.sources.iter().cloned());
         stage::scene(&robot)?
     };
-    let output = args.output.clone().unwrap_or_else(|| {
-        let stem = args.file.file_stem().unwrap_or("robot".as_ref());
-        PathBuf::from(stem).with_extension("png")
-    });
+    let output = args.output.clone();
+    let output = output.unwrap_or_else(|| beside(&args.file, "robot", "png"));
     let target = Target::new(&output, inputs.iter().map(PathBuf::as_path))?;
     refuse_ending(args.output.as_ref(), "--output", ["a PNG picture", "png"])?;
     let look = args.look();

@@ -4,6 +4,7 @@
 //! `#key = value` lines made active, gives the same model. Keys and their meaning come from the
 //! table of keys, values from the assembled robot; lines that start with `# ` are prose.
 
+use crate::output::stem;
 use crate::world::free_name;
 use std::fmt::Write as _;
 use urdf2fmu_core::diagnostic::Diagnostic;
@@ -99,8 +100,7 @@ fn things(out: &mut String, objects: &[ObjectSettings]) {
         let ObjectSource::Urdf(path) = &object.source else {
             continue;
         };
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let name = free_name(&stem, &names);
+        let name = free_name(&stem(path).to_string_lossy(), &names);
         let initial = &object.initial;
         let mut place = initial.xy.to_vec();
         place.extend(initial.z);

@@ -7,6 +7,7 @@
 
 #[cfg(unix)]
 use crate::process;
+use std::ffi::OsString;
 use std::fs::{FileType, Metadata, Permissions};
 use std::io::{self, ErrorKind, IsTerminal as _, Write};
 use std::path::{Path, PathBuf};
@@ -332,6 +333,42 @@ where
     stream.flush()
 }
 
+/// Endings that say what is in a file. Whatever else follows the last point of a name belongs to
+/// it.
+pub const ENDINGS: &[&str] = &[
+    "csv", "fmu", "gif", "htm", "html", "jpeg", "jpg", "mat", "pdf", "png", "svg", "toml", "urdf",
+    "xacro", "xlsx", "xml", "zip",
+];
+
+/// A file's name without the endings that say what is in it: `rover_v1.5` of `rover_v1.5.urdf` and
+/// of `rover_v1.5.urdf.xacro`.
+pub fn stem(path: &Path) -> OsString {
+    let mut stem = Path::new(path.file_name().unwrap_or_default());
+    let mut endings = ENDINGS;
+    loop {
+        let ending = stem.extension().map(|e| e.to_string_lossy().to_lowercase());
+        match (ending, stem.file_stem()) {
+            (Some(ending), Some(rest)) if endings.contains(&ending.as_str()) => {
+                stem = Path::new(rest);
+            }
+            _ => return stem.as_os_str().to_owned(),
+        }
+        // What a URDF is written in may follow its own ending.
+        endings = &["urdf", "xacro"];
+    }
+}
+
+/// A file of the working folder that is named after another one; `or`: where that has no name.
+pub fn beside(path: &Path, or: &str, ending: &str) -> PathBuf {
+    let mut name = stem(path);
+    if name.is_empty() {
+        name = or.into();
+    }
+    name.push(".");
+    name.push(ending);
+    PathBuf::from(name)
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a test may fail")]
 mod tests {
@@ -369,5 +406,26 @@ mod tests {
         let other = folder.path().join(".").join("a.urdf");
         let error = Target::new(&other, [file.as_path()]).unwrap_err();
         assert!(matches!(error, OutputError::Input { .. }), "{error}");
+    }
+
+    #[test]
+    fn only_endings_that_say_what_is_in_a_file_are_taken_off_its_name() {
+        for (file, expected) in [
+            ("rover.urdf", "rover.fmu"),
+            ("robots/rover_v1.0.urdf", "rover_v1.0.fmu"),
+            ("rover_v1.5.urdf", "rover_v1.5.fmu"),
+            ("rover_v1.5", "rover_v1.5.fmu"),
+            ("ur5e.v3.urdf.xacro", "ur5e.v3.fmu"),
+            ("ur5e.v3.URDF.Xacro", "ur5e.v3.fmu"),
+            ("arm.xacro", "arm.fmu"),
+            ("arm.urdf.xml", "arm.fmu"),
+            ("arm.csv.urdf", "arm.csv.fmu"),
+            ("run.2.csv", "run.2.fmu"),
+            (".urdf", ".urdf.fmu"),
+            ("..", "robot.fmu"),
+        ] {
+            let found = beside(Path::new(file), "robot", "fmu");
+            assert_eq!(found, Path::new(expected), "{file}");
+        }
     }
 }

@@ -17,6 +17,7 @@ use crate::describe::{self, DescribeError, Header};
 use crate::documentation::{self, Page, Remark};
 use crate::identifier::{guid, model_identifier};
 use crate::library::{self, Binary, LibraryError};
+use crate::output;
 use crate::related::{self, RelatedError};
 use crate::{date, license, listing, page, sources, world, xacro};
 use std::path::{Path, PathBuf};
@@ -243,10 +244,10 @@ pub fn fmu(
     extras: &Extras,
 ) -> Result<Fmu, StageError> {
     let libraries = libraries(robot, platforms)?;
-    let stem = urdf.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = output::stem(urdf);
     let about = &robot.settings.fmu;
     let model_name = about.name.as_ref().unwrap_or(&robot.model.name);
-    let model_identifier = model_identifier(model_name, &stem);
+    let model_identifier = model_identifier(model_name, &stem.to_string_lossy());
     let guid = guid(
         about.fmi,
         &model_identifier,

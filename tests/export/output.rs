@@ -129,6 +129,24 @@ fn a_target_that_is_no_regular_file_is_refused_and_not_changed() {
     assert!(kind("/dev/null").is_char_device() && kind("/dev/full").is_char_device());
 }
 
+/// Versions behind a point belong to the name: files of two robots do not meet in one.
+#[test]
+fn files_are_named_after_the_robot_with_all_of_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["rover_v1.0.urdf", "rover_v1.5.urdf", "rover.v2.urdf.xacro"] {
+        fs::copy(example("rover.urdf"), folder.path().join(name)).unwrap();
+        for line in ["$export", "picture --size 32"] {
+            let line = format!("\"$urdf2fmu\" {line} {name}");
+            let run = shell(folder.path(), &line);
+            assert_eq!(run.code, 0, "{line}: {run:?}");
+        }
+        fs::remove_file(folder.path().join(name)).unwrap();
+    }
+    let made = ["rover.v2", "rover_v1.0", "rover_v1.5"];
+    let made = made.map(|name| ["fmu", "png"].map(|ending| format!("{name}.{ending}")));
+    assert_eq!(names(folder.path()), made.as_flattened());
+}
+
 /// `-` is standard output, as for other commands, and what is said about the result goes elsewhere.
 #[test]
 fn a_dash_is_standard_output() {

@@ -5,7 +5,7 @@ use crate::archive;
 use crate::cli::{Report, View};
 use crate::events::Event;
 use crate::importer::tabular::decoded;
-use crate::output::{OutputError, Target, is_stdout, print, tell};
+use crate::output::{OutputError, Target, beside, is_stdout, print, tell};
 use crate::report;
 use crate::results::Table;
 use crate::run_summary;
@@ -50,10 +50,8 @@ pub(super) fn report(args: &Report) -> Result<(), CliError> {
     let request = args.source.request(&args.model);
     let (fmu, mut inputs) = as_fmu(&args.model, &request, folder.path())?;
     inputs.push(args.results.clone());
-    let output = args.output.clone().unwrap_or_else(|| {
-        let stem = args.results.file_stem().unwrap_or("run".as_ref());
-        PathBuf::from(stem).with_extension("html")
-    });
+    let output = args.output.clone();
+    let output = output.unwrap_or_else(|| beside(&args.results, "run", "html"));
     let target = Target::new(&output, inputs.iter().map(PathBuf::as_path))?;
     refuse_ending(args.output.as_ref(), "--output", ["a page", "html"])?;
     let seen = scene(&fmu, &args.model)?;

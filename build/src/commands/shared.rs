@@ -4,7 +4,7 @@ use crate::archive;
 use crate::cli::Source;
 use crate::diagnostics::{self, Style};
 use crate::importer::error::RunError;
-use crate::output::{OutputError, Target, tell};
+use crate::output::{ENDINGS, OutputError, Target, tell};
 use crate::results::ResultsError;
 use crate::stage::{self, Extras, Request, StageError};
 use crate::view::ViewError;
@@ -282,12 +282,6 @@ pub(super) fn refuse_options(path: &Path, source: &Source) -> Result<(), CliErro
     let path = path.to_owned();
     Err(CliError::MadeAlready { path, options })
 }
-
-/// Endings that name one kind of file.
-const ENDINGS: &[&str] = &[
-    "csv", "fmu", "gif", "htm", "html", "jpeg", "jpg", "mat", "pdf", "png", "svg", "toml", "urdf",
-    "xacro", "xlsx", "xml", "zip",
-];
 
 /// Refuses to write what belongs into files that end with `ending` into one that is named as
 /// another kind of file.

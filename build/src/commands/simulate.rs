@@ -8,7 +8,7 @@ use crate::cost::{Costs, Touching};
 use crate::events;
 use crate::importer::experiment::Experiment;
 use crate::importer::run::{self, Outcome};
-use crate::output::{OutputError, Target, is_stdout, print, tell};
+use crate::output::{OutputError, Target, is_stdout, print, stem, tell};
 use crate::plot::{self, Curve};
 use crate::progress::Progress;
 use crate::results::Table;
@@ -192,10 +192,7 @@ fn results(
 /// The robot's name, or the file's.
 fn name(args: &Simulate, seen: Option<&Seen>) -> String {
     seen.map_or_else(
-        || {
-            let stem = args.file.file_stem().unwrap_or(args.file.as_os_str());
-            stem.to_string_lossy().into_owned()
-        },
+        || stem(&args.file).to_string_lossy().into_owned(),
         |seen| seen.scene.head.robot.clone(),
     )
 }
