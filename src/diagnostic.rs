@@ -12,7 +12,7 @@
 //! | U070–U079 | shapes and surfaces |
 //! | U100–U119 | meshes |
 
-pub(crate) mod angles;
+pub mod angles;
 pub mod codes;
 pub mod words;
 

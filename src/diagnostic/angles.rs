@@ -4,12 +4,13 @@
 const MOST_TURNED: f64 = 4.0 * std::f64::consts::PI;
 
 /// What is advised.
-pub(crate) const HELP: &str = "angles are in radians; 90 degrees are 1.5708";
+pub const HELP: &str = "angles are in radians; 90 degrees are 1.5708";
 
-/// What is told of roll, pitch and yaw in degrees.
+/// What is told of roll, pitch and yaw in degrees; none of what may be in radians.
 ///
 /// - `what`: where they stand
-pub(crate) fn attitude(what: &str, rpy: &[f64]) -> Option<String> {
+/// - `rpy`: rad
+pub fn attitude(what: &str, rpy: &[f64]) -> Option<String> {
     let angle = rpy.iter().find(|angle| angle.abs() > MOST_TURNED)?;
     let turns = angle.abs() / std::f64::consts::TAU;
     Some(format!(

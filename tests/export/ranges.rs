@@ -51,6 +51,26 @@ fn a_number_of_the_robot_out_of_range_is_told_at_its_line() {
     }
 }
 
+/// 90 rad are 14 turns: what the settings refuse (S104) the command line does, too.
+#[test]
+fn an_attitude_in_degrees_is_refused_on_the_command_line() {
+    let rover = example("rover.urdf");
+    let object = format!("{}@1,0,0.5,0,0,90", text(&example("worlds/crate.urdf")));
+    let start = ["--start-value", "initial.base.rpy.*", "90"];
+    let cases: [(&str, &[&str]); 3] = [
+        ("check", &["--object", &object]),
+        ("export", &["--object", &object]),
+        ("simulate", &start),
+    ];
+    for (command, options) in cases {
+        let folder = tempfile::tempdir().unwrap();
+        let arguments: Vec<&str> = [&[command, text(&rover)], options].concat();
+        let run = run_in(folder.path(), &arguments, &[]);
+        assert_eq!(run.code, 2, "{command}: {run:?}");
+        assert!(run.err.contains("90 degrees are 1.5708"), "{}", run.err);
+    }
+}
+
 #[test]
 fn a_start_value_out_of_range_is_told_with_its_name() {
     let rover = example("rover.urdf");

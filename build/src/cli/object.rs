@@ -1,6 +1,7 @@
 //! `--object`: a file, and where it is.
 
 use std::path::PathBuf;
+use urdf2fmu_core::diagnostic::angles;
 use urdf2fmu_core::range::Range;
 use urdf2fmu_core::settings::{InitialSettings, LinkSettings, ObjectSettings, ObjectSource};
 use urdf2fmu_core::spatial::Vec3;
@@ -34,6 +35,10 @@ pub(super) fn parse(text: &str) -> Result<ObjectSettings, String> {
              FILE@X,Y,Z,ROLL,PITCH,YAW"
                 .to_owned(),
         );
+    }
+    let rpy = numbers.get(3..).unwrap_or_default();
+    if let Some(message) = angles::attitude("the attitude's", rpy) {
+        return Err(format!("{message}; {}", angles::HELP));
     }
     let at = |i: usize| numbers.get(i).copied();
     let or_zero = |i: usize| at(i).unwrap_or_default();
@@ -83,6 +88,16 @@ mod tests {
         assert_eq!(place("a@b.urdf@1,2"), odd);
         assert_eq!(place("a@b.urdf").0, "a@b.urdf");
         assert_eq!(place("a@b,c/d.urdf").0, "a@b,c/d.urdf");
+    }
+
+    /// As in the settings: two turns are 12.566 rad.
+    #[test]
+    fn an_attitude_in_degrees_is_refused() {
+        for rpy in ["0,0,90", "-45,0,0", "0,12.6,0"] {
+            let why = parse(&format!("cube.urdf@1,0,0.5,{rpy}")).expect_err(rpy);
+            assert!(why.contains("degrees are 1.5708"), "{rpy}: {why}");
+        }
+        assert!(parse("cube.urdf@90,-45,30,0,12.5,-3.2").is_ok());
     }
 
     #[test]

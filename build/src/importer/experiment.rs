@@ -8,6 +8,7 @@ use super::tabular::{decoded, name_and_unit, same_unit};
 use super::variable::{Kind, Variable};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::clock;
+use urdf2fmu_core::diagnostic::angles;
 use urdf2fmu_core::digits::Digits;
 use urdf2fmu_core::pattern::Pattern;
 
@@ -220,6 +221,9 @@ pub(super) fn starts<'d>(
                     .filter(|x: &f64| x.is_finite())
                     .ok_or_else(|| bad("finite number"))?,
             };
+            if variable.is_attitude() && angles::attitude(&variable.name, &[value]).is_some() {
+                return Err(bad("attitude in radians; 90 degrees are 1.5708"));
+            }
             starts.push((variable, value));
         }
     }

@@ -34,6 +34,11 @@ pub enum Kind {
 }
 
 impl Variable {
+    /// Whether it is roll, pitch or yaw, under names with points or flat ones, in rad.
+    pub fn is_attitude(&self) -> bool {
+        self.unit == "rad" && self.name.split(['.', '_', '[']).any(|part| part == "rpy")
+    }
+
     /// Whether it is an input.
     pub fn is_input(&self) -> bool {
         self.causality == "input"
