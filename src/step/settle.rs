@@ -7,7 +7,9 @@
 //! go.
 //!
 //! Where its height follows from the ground, the robot as one rigid body also sinks and tilts by
-//! the micrometres with which the ground carries its weight.
+//! the micrometres with which the ground carries its weight. Only what touches in the given pose
+//! carries it: a body that would come down on something else keeps its attitude, and falls when
+//! time begins.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -15,7 +17,7 @@ use crate::force::Terms;
 use crate::kinematics::advance;
 use crate::model::{LinkId, Model, RootId};
 use crate::slots::ParameterSlot;
-use crate::spatial::Vec6;
+use crate::spatial::{Vec3, Vec6};
 use crate::state::{Load, State, Stepping};
 use crate::step::convex::Newton;
 use crate::step::driver::Stepper;
@@ -39,8 +41,8 @@ impl Stepper {
             return;
         }
         self.attempt.stay(state);
-        if set_down && !self.stretch(ctx, state, true) {
-            // It tips over: there is no pose in which the ground carries it.
+        if set_down && !(self.stretch(ctx, state, true) && self.has_only_sunk(ctx)) {
+            // It tips over: there is no pose near the given one in which the ground carries it.
             self.attempt.accept(state);
         }
         self.stretch(ctx, state, false);
@@ -115,6 +117,45 @@ impl Stepper {
             }
         }
         speed * SETTLING < SET_DOWN
+    }
+
+    /// Whether what has been set down is carried by nothing but what touches in the given pose,
+    /// once it has sunk there without turning as deep as it is now. What comes to touch because the
+    /// robot turns carries another pose: a die on its edge has one on each of its faces, which are
+    /// not what was asked for.
+    fn has_only_sunk(&self, ctx: &Context) -> bool {
+        let deepest = self.carrying(ctx).fold([0.0; 2], |most: [f64; 2], point| {
+            [0, 1].map(|k| most[k].max(point[k]))
+        });
+        let touching = (deepest[1] - deepest[0]).min(0.0);
+        self.carrying(ctx).all(|[_, before]| before >= touching)
+    }
+
+    /// Depth of all points that carry at the end of setting down, and that of the same places of
+    /// the bodies in the given pose, m.
+    fn carrying(&self, ctx: &Context) -> impl Iterator<Item = [f64; 2]> {
+        let (tree, kin, contacts) = (ctx.tree, &self.here.kin, &self.here.terms.contacts);
+        // From where a place of a body is now to where it was.
+        let back = move |body: usize, x: &Vec3| {
+            let index = tree.bodies[body].tree;
+            let base = tree.base_frame(RootId::from(index));
+            base.filter(|_| is_set_down(ctx, index))
+                .map_or_else(Vec3::zeros, |base| {
+                    let [now, before] =
+                        [&self.settled, &self.attempt.end.q].map(|q| base.solver_pose(q));
+                    before.point(&now.inverse().point(x)) - x
+                })
+        };
+        contacts.list.iter().flat_map(move |contact| {
+            let points = contacts.points[contact.points.clone()].iter();
+            points.filter(|point| point.depth > 0.0).map(move |point| {
+                let x = point.x + kin.origin(tree, contact.body);
+                let other = contact.other.as_ref();
+                let other = other.map_or_else(Vec3::zeros, |other| back(other.body, &x));
+                let way = back(contact.body, &x) - other;
+                [point.depth, point.depth - point.normal.dot(&way)]
+            })
+        })
     }
 
     /// If the robot stands still and all forces balance, it stays: nothing moves until `remaining`

@@ -4,7 +4,7 @@
 
 use super::parts::Tree;
 use crate::model::RootId;
-use crate::spatial::{Vec3, quaternion_normalized, rotation_from_quaternion};
+use crate::spatial::{Pose, Vec3, quaternion_normalized, rotation_from_quaternion};
 
 /// The frame of a floating base in the solver, and the origin of its link, which is what outputs,
 /// parameters and the states of Model Exchange are of. With the way `r` from the former to the
@@ -33,6 +33,16 @@ impl BaseFrame {
         let q = &q[self.coordinate + 3..];
         let turn = quaternion_normalized(&[q[0], q[1], q[2], q[3]]);
         -(rotation_from_quaternion(&turn) * self.center)
+    }
+
+    /// The solver's frame in the world, at a quaternion of any length.
+    pub fn solver_pose(&self, q: &[f64]) -> Pose {
+        let turn = &q[self.coordinate + 3..];
+        let turn = quaternion_normalized(&[turn[0], turn[1], turn[2], turn[3]]);
+        Pose {
+            R: rotation_from_quaternion(&turn),
+            p: three(q, self.coordinate),
+        }
     }
 
     /// Position of the link's origin in the world, m.
