@@ -233,6 +233,24 @@ impl Ring<'_> {
         })
     }
 
+    /// Whether each of the looks around the circle, at angles of `step`, is so high above all ground
+    /// near the circle that it has no part, where that is by `far`. The heights of points at even
+    /// angles follow from those of two: `h₊ = 2 cos(step) h − h₋`.
+    fn are_far(&self, step: f64, far: f64) -> [bool; LOOKS] {
+        let c = &self.center;
+        // What round-off makes of the heights is far below a blend.
+        let least = self.field.highest(c.x, c.y, self.radius) - far + self.blend - c.z;
+        let (sin, cos) = libm::sincos(step);
+        let [a, b] = self.across.map(|across| self.radius * across.z);
+        let (mut before, mut height) = (a * cos - b * sin, a);
+        let mut are_far = [false; LOOKS];
+        for is_far in &mut are_far {
+            *is_far = height >= least;
+            (before, height) = (height, 2.0 * cos * height - before);
+        }
+        are_far
+    }
+
     /// The highest turns in their order around the circle; returns how many there are.
     fn turns(&self, reach: f64, turns: &mut [Turn; MOST_NEAREST]) -> usize {
         let step = TAU / count(LOOKS);
@@ -253,14 +271,23 @@ impl Ring<'_> {
             };
             *least = least.min(over);
         };
-        let start = self.at(0.0);
-        let mut last = start;
+        let are_far = self.are_far(step, far);
+        let look = |k: usize| (!are_far[k % LOOKS]).then(|| self.at(step * count(k % LOOKS)));
+        let start = look(0);
+        let mut after = start;
         for k in 1..=LOOKS {
-            let next = if k == LOOKS {
-                start.map(|spot| Spot { angle: TAU, ..spot })
+            let before = after;
+            after = if k == LOOKS {
+                start.map(|start| start.map(|spot| Spot { angle: TAU, ..spot }))
             } else {
-                self.at(step * count(k))
+                look(k)
             };
+            if before.is_none() && after.is_none() {
+                note(far, turns, number);
+                continue;
+            }
+            let [mut last, next] = [(before, k - 1), (after, k)]
+                .map(|(spot, k)| spot.unwrap_or_else(|| self.at(step * count(k))));
             let near = [&last, &next].map(|spot| spot.is_none_or(|spot| spot.over > far));
             let parts = if near == [false; 2] { 1 } else { fine };
             for part in 1..=parts {
