@@ -233,9 +233,9 @@ impl Ring<'_> {
         })
     }
 
-    /// Whether each of the looks around the circle, at angles of `step`, is so high above all ground
-    /// near the circle that it has no part, where that is by `far`. The heights of points at even
-    /// angles follow from those of two: `h₊ = 2 cos(step) h − h₋`.
+    /// Whether each of the looks around the circle, at angles of `step`, is above all ground near
+    /// the circle by more than `−far` and a blend, so that it has no part. The heights of points at
+    /// even angles follow from those of two: `h₊ = 2 cos(step) h − h₋`.
     fn are_far(&self, step: f64, far: f64) -> [bool; LOOKS] {
         let c = &self.center;
         // What round-off makes of the heights is far below a blend.
