@@ -15,6 +15,7 @@ use crate::pattern::{Pattern, names_last};
 use crate::settings::Settings;
 use crate::spatial::{Pose, Vec3, rpy_from_rotation};
 use crate::tree::{Tree, TreeCollider};
+use std::collections::BTreeMap;
 
 /// Smallest angle outside of the limits that may be meant in degrees: up to a turn it may as well
 /// be in radians.
@@ -211,7 +212,7 @@ pub(super) fn height(
                 // Adding 0 turns -0 into 0.
                 model.roots[0].position.z = -z + 0.0;
                 if floating {
-                    model.roots[0].position.z -= static_depth(model, model.contact.penetration);
+                    model.roots[0].position.z -= static_depth(model);
                     model.roots[0].set_down = true;
                 }
                 let message = format!(
@@ -234,23 +235,23 @@ pub(super) fn height(
         }
         return;
     }
-    let (Some((link, z)), Some(_)) = (lowest, &model.world.ground) else {
+    let (Some((_, z)), Some(_)) = (lowest, &model.world.ground) else {
         return;
     };
-    let depth = -(z + model.roots[0].position.z);
     // The height that would follow by itself, as `init` writes it down.
     let mut touching = model.clone();
     touching.roots[0].position.z = -z + 0.0;
     #[expect(clippy::float_cmp, reason = "another height is somebody's wish")]
     let own = floating
-        && touching.roots[0].position.z - static_depth(&touching, model.contact.penetration)
-            == model.roots[0].position.z;
+        && touching.roots[0].position.z - static_depth(&touching) == model.roots[0].position.z;
     model.roots[0].set_down = own;
-    // A robot at rest is this deep in the ground.
-    if depth > model.contact.penetration && !settings.driven {
-        let deepest = &model.links[link.index()].name;
-        let others = links_below(model, poses, -model.contact.penetration);
-        let others: Vec<&String> = others.iter().filter(|name| *name != deepest).collect();
+    let deep = links_in_ground(model, poses);
+    let deepest = deep.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    if let Some(&(link, depth)) = deepest.filter(|_| !settings.driven) {
+        let name = |link: usize| &model.links[link].name;
+        let deepest = name(link);
+        let others = deep.iter().filter(|(other, _)| *other != link);
+        let others: Vec<&String> = others.map(|(other, _)| name(*other)).collect();
         let others = match others.len() {
             0 => String::new(),
             n => format!(
@@ -280,23 +281,32 @@ pub(super) fn height(
     }
 }
 
-/// Names of the links that can move and reach below a height over the ground, m.
-fn links_below(model: &Model, poses: &Poses, height: f64) -> Vec<String> {
+/// The links that are deeper in the ground than their contacts carry the weight at rest, in their
+/// order, and how deep each is, m.
+fn links_in_ground(model: &Model, poses: &Poses) -> Vec<(usize, f64)> {
+    let Poses { tree, kin } = scaled(model);
     let base = poses.base_height(model) - model.roots[0].position.z;
-    let mut links: Vec<usize> = model
-        .colliders
-        .iter()
-        .filter(|collider| moves(model, collider))
-        .filter(|collider| {
-            let X = poses.collider(model, collider);
-            collider.shape.lowest(&X, &Vec3::z()) - base < height
-        })
-        .map(|collider| collider.link.index())
-        .collect();
-    links.sort_unstable();
-    links.dedup();
-    let name = |link: usize| model.links[link].name.clone();
-    links.into_iter().map(name).collect()
+    let mut depths = BTreeMap::new();
+    for resting in tree.contact.colliders.iter().filter(|c| c.moves) {
+        let X = kin.X[resting.body].compose(&resting.X);
+        let shape = &model.colliders[resting.index].shape;
+        let depth = base - shape.lowest(&X, &Vec3::z());
+        if depth > resting.spring.reference {
+            let deepest = depths.entry(resting.link).or_insert(depth);
+            *deepest = depth.max(*deepest);
+        }
+    }
+    depths.into_iter().collect()
+}
+
+/// The initial pose, and a tree whose contacts are made for the weight of the model.
+fn scaled(model: &Model) -> Poses {
+    let Poses { mut tree, mut kin } = poses(model);
+    crba::mass_matrix(&tree, &mut kin);
+    let diagonal = |k| kin.M[tree.sparsity.diagonal(k)];
+    let inertia: Vec<f64> = (0..model.nv()).map(diagonal).collect();
+    tree.scale(model, &inertia, &kin.X);
+    Poses { tree, kin }
 }
 
 fn moves(model: &Model, collider: &Collider) -> bool {
@@ -305,14 +315,8 @@ fn moves(model: &Model, collider: &Collider) -> bool {
 
 /// How far the model, whose lowest point touches the ground, must sink until the ground carries its
 /// weight, m; 0 where it does not within some depths of a single corner.
-///
-/// - `corner`: how deep about a single corner sinks, m
-pub(super) fn static_depth(model: &Model, corner: f64) -> f64 {
-    let Poses { mut tree, mut kin } = poses(model);
-    crba::mass_matrix(&tree, &mut kin);
-    let diagonal = |k| kin.M[tree.sparsity.diagonal(k)];
-    let inertia: Vec<f64> = (0..model.nv()).map(diagonal).collect();
-    tree.scale(model, &inertia, &kin.X);
+pub(super) fn static_depth(model: &Model) -> f64 {
+    let Poses { tree, mut kin } = scaled(model);
     let weight = -tree.moving_mass() * model.world.gravity.z;
     let mut q = initial_state(model, &Parameters::new(model), 0.0)
         .physical
@@ -329,7 +333,9 @@ pub(super) fn static_depth(model: &Model, corner: f64) -> f64 {
             .map(|c| c.normal_load(&contacts.points, &kin.V));
         loads.sum::<f64>() >= weight
     };
-    // A single corner sinks by the penetration; a light touch of a heavy robot by some of them.
+    // About how deep a single corner sinks; a light touch of a heavy robot sinks by some of them.
+    let springs = tree.contact.colliders.iter().map(|c| c.spring.reference);
+    let corner = springs.fold(0.0, f64::max);
     let (mut low, mut high) = (0.0, 64.0 * corner);
     if weight <= 0.0 || !carries(high) {
         return 0.0;

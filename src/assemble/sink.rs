@@ -9,7 +9,6 @@ use crate::geometry::Shape;
 use crate::model::{LinkId, Model};
 use crate::settings::Settings;
 use crate::spatial::Vec3;
-use crate::tuning::REFERENCE_GRAVITY;
 
 /// Share of the smallest size of the shapes that a robot stands on by which it may sink without a
 /// word. A wheel as deep as a twentieth of its diameter rolls as if its radius were a tenth less,
@@ -32,18 +31,12 @@ pub(super) fn warn(model: &Model, poses: &Poses, settings: &Settings, findings: 
     };
     let mut touching = model.clone();
     touching.roots[0].position.z = -z + 0.0;
-    // Stiffness follows from the weight on Earth.
-    let mass = poses.tree.moving_mass();
-    let usual = mass * REFERENCE_GRAVITY;
-    let own = model.links.iter().filter_map(|link| link.stiffness);
-    let depths = own.chain(model.contact.stiffness).map(|k| usual / k);
-    let soft = depths.fold(model.contact.penetration, f64::max);
-    let depth = static_depth(&touching, soft);
+    let depth = static_depth(&touching);
     let Some(size) = smallest_size(model, poses, z + depth) else {
         return;
     };
     if depth > DEEPEST * size {
-        let weight = -mass * model.world.gravity.z;
+        let weight = -poses.tree.moving_mass() * model.world.gravity.z;
         let message = format!(
             "the robot sinks {:.1} mm into the ground under its weight of {:.3} N, on link '{}': the \
              smallest size of what it stands on is {:.1} mm",

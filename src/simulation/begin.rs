@@ -21,30 +21,24 @@ impl Simulation {
         self.forget();
     }
 
-    /// The link of the robot that is deepest in the ground, and how deep, m; none where nothing is
-    /// deeper than what carries its weight.
+    /// The link that is deepest in the ground, and how deep, m, of those that are deeper than their
+    /// contacts carry the weight at rest, be they as soft as a user likes; none where none is.
     #[cfg_attr(small, optimize(size))]
     pub fn deepest_in_ground(&self) -> Option<(&str, f64)> {
         self.model.world.ground.as_ref()?;
         let mut kin = Kinematics::new(&self.tree);
         kin.update_poses(&self.tree, &self.state.physical.q);
         // What no force moves does not touch the ground.
-        let colliders = self.model.colliders.iter();
-        let depths = colliders.filter(|collider| self.model.yields(collider.body));
-        let depths = depths.map(|collider| {
-            // From the tree's frame of the body to that of the model.
-            let link = &self.model.links[collider.link.index()];
-            let pose = kin.X[collider.body.index()]
-                .compose(&self.tree.link_pose[collider.link.index()])
-                .compose(&link.X_BL.inverse())
-                .compose(&collider.X_BG);
-            let height = kin.origin(&self.tree, collider.body.index()).z;
-            let depth = -(height + collider.shape.lowest(&pose, &Vec3::z()));
-            (collider.link, depth)
+        let colliders = self.tree.contact.colliders.iter();
+        let depths = colliders.filter(|collider| collider.yields).map(|c| {
+            let shape = &self.model.colliders[c.index].shape;
+            let pose = kin.X[c.body].compose(&c.X);
+            let height = kin.origin(&self.tree, c.body).z;
+            (c, -(height + shape.lowest(&pose, &Vec3::z())))
         });
-        let (link, depth) = depths.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let name = self.model.links[link.index()].name.as_str();
-        (depth > self.model.contact.penetration).then_some((name, depth))
+        let deep = depths.filter(|(c, depth)| *depth > c.spring.reference);
+        let (deepest, depth) = deep.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some((&self.model.links[deepest.link].name, depth))
     }
 
     /// Derives everything from the parameters and puts the robot into its initial state.

@@ -79,3 +79,33 @@ fn what_stands_on_the_ground_is_not() {
     let built = assembled(&robot(point), "contact.penetration = 5e-3");
     assert!(!has(&built, "A145"));
 }
+
+/// A ball of 2 kg under 9.81 m/s² on a spring of `k` N/m is in balance `2 · 9.81/k` m deep.
+#[test]
+fn a_ball_starts_as_deep_as_its_spring_carries_it_which_is_not_called_deep() {
+    let ball = robot(body("ball", 2.0));
+    for stiffness in [200.0, 2000.0, 2e4, 1e6, 1e9] {
+        let depth = 2.0 * 9.81 / stiffness;
+        for key in ["contact.stiffness", "link.ball.stiffness"] {
+            let settings = format!("world.gravity = [0, 0, -9.81]\n{key} = {stiffness}");
+            let start = |z: f64| {
+                let built = assembled(&ball, &format!("{settings}\ninitial.xyz = [0, 0, {z:?}]"));
+                let told = has(&built, "A112");
+                let mut simulation = Simulation::new(Arc::new(built.model));
+                simulation.initialize(0.0).expect("a legal start");
+                let deepest = simulation.deepest_in_ground();
+                assert_eq!(told, deepest.is_some(), "{key} = {stiffness}, z = {z}");
+                deepest.map(|(link, depth)| (link.to_owned(), depth))
+            };
+            let z = model(&ball, &settings).roots[0].position.z;
+            let off = z - (0.1 - depth);
+            assert!(
+                off.abs() < 1e-6 * depth + 1e-15,
+                "{key} = {stiffness}: {off}"
+            );
+            assert_eq!(start(z), None, "{key} = {stiffness}");
+            let (link, found) = start(0.1 - 3.0 * depth).expect("three times as deep");
+            assert!(link == "ball" && (found - 3.0 * depth).abs() < 1e-12);
+        }
+    }
+}
