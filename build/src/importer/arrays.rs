@@ -20,6 +20,17 @@ pub(super) struct Array {
     pub shape: Vec<Size>,
 }
 
+/// What arrays become.
+#[derive(Default)]
+pub(super) struct Listed {
+    /// Which element of what each variable is.
+    pub elements: Vec<Element>,
+    /// Scalars, and each element.
+    pub variables: Vec<Variable>,
+    /// Names of the elements of arrays that have them for themselves, by the arrays' names.
+    pub wholes: BTreeMap<String, Vec<String>>,
+}
+
 /// Size of a dimension.
 #[derive(Clone, Copy)]
 pub(super) enum Size {
@@ -85,13 +96,17 @@ impl Arrays {
     ///
     /// # Errors
     /// [`DescriptionError`] for the size of what is no structural parameter.
-    pub fn elements(self) -> Result<(Vec<Element>, Vec<Variable>), DescriptionError> {
+    pub fn elements(self) -> Result<Listed, DescriptionError> {
         let parameters = self.list.iter();
         let parameters = parameters.filter_map(|a| Some((a.variable.value_reference, a.start?)));
         let starts: BTreeMap<u32, u32> = parameters.collect();
         let scalars = self.list.iter().filter(|array| array.shape.is_empty());
         let mut names: BTreeSet<String> = scalars.map(|a| a.variable.name.clone()).collect();
-        let (mut elements, mut variables) = (Vec::new(), Vec::new());
+        let Listed {
+            mut elements,
+            mut variables,
+            mut wholes,
+        } = Listed::default();
         for array in self.list {
             let sizes = array.shape.iter().map(|size| match size {
                 Size::Fixed(size) => Ok(*size),
@@ -104,6 +119,7 @@ impl Arrays {
             let listed = u32::try_from(elements.len()).unwrap_or(u32::MAX);
             let simulated =
                 array.variable.kind != Kind::Text && count <= MOST.saturating_sub(listed);
+            let mut own = Vec::new();
             for index in 0..if simulated { count } else { 1 } {
                 let name = if array.shape.is_empty() || !simulated {
                     array.variable.name.clone()
@@ -114,6 +130,7 @@ impl Arrays {
                 if !array.shape.is_empty() && !names.insert(name.clone()) {
                     continue;
                 }
+                own.push(name.clone());
                 variables.push(Variable {
                     name,
                     value_reference: u32::try_from(elements.len()).unwrap_or(u32::MAX),
@@ -130,8 +147,15 @@ impl Arrays {
                     count,
                 });
             }
+            if simulated && !array.shape.is_empty() && own.len() == count as usize {
+                wholes.insert(array.variable.name.clone(), own);
+            }
         }
-        Ok((elements, variables))
+        Ok(Listed {
+            elements,
+            variables,
+            wholes,
+        })
     }
 }
 

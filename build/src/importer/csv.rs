@@ -19,6 +19,15 @@ pub struct Table {
     pub rows: Vec<Vec<f64>>,
 }
 
+/// Where the names of a table's columns stand in its file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Names {
+    /// Their line, from 1.
+    pub line: u64,
+    /// In the file, from 1: the elements of an array stand in one.
+    pub columns: Vec<usize>,
+}
+
 /// What is wrong with a file, and where.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -61,6 +70,23 @@ pub enum CsvError {
         /// Values.
         found: usize,
         /// Names.
+        expected: usize,
+    },
+    /// An array with another number of elements.
+    #[error(
+        "line {line}, column {column}: {found} numbers, but '{name}' is an array of {expected}; they \
+         stand with spaces between them"
+    )]
+    Elements {
+        /// From 1.
+        line: u64,
+        /// From 1.
+        column: usize,
+        /// Of the column.
+        name: String,
+        /// Numbers.
+        found: usize,
+        /// Elements.
         expected: usize,
     },
     /// Not a finite number.
@@ -106,11 +132,17 @@ pub enum CsvError {
 }
 
 impl Table {
-    /// Reads a table; gives the line of its names, from 1, too.
+    /// Reads a table; tells where its names stand, too. The column of an array has all of its
+    /// elements in each cell, with spaces between them, and becomes a column for each.
+    ///
+    /// - `elements`: names of the elements of what is called so; none where it is no array
     ///
     /// # Errors
     /// [`CsvError`] with line and column.
-    pub fn parse(text: &str) -> Result<(Self, u64), CsvError> {
+    pub fn parse<'e>(
+        text: &str,
+        elements: impl Fn(&str) -> Option<&'e [String]>,
+    ) -> Result<(Self, Names), CsvError> {
         let text = text.trim_start_matches('\u{feff}');
         if text.contains('\0') {
             return Err(CsvError::NotText);
@@ -144,10 +176,16 @@ impl Table {
                 return Err(CsvError::NoTime { line, found });
             }
         }
-        for (index, name) in names.iter().enumerate() {
-            if names[..index].contains(name) {
-                let (line, column, name) = (header, index + 1, name.clone());
-                return Err(CsvError::Twice { line, column, name });
+        let wholes: Vec<Option<&[String]>> = names.iter().map(|name| elements(name)).collect();
+        let (mut single, mut columns): (Vec<String>, Vec<usize>) = (Vec::new(), Vec::new());
+        for (column, (name, whole)) in names.iter().zip(&wholes).enumerate() {
+            for name in whole.unwrap_or(std::slice::from_ref(name)) {
+                if single.contains(name) {
+                    let (line, column, name) = (header, column + 1, name.clone());
+                    return Err(CsvError::Twice { line, column, name });
+                }
+                single.push(name.clone());
+                columns.push(column + 1);
             }
         }
         let mut rows: Vec<Vec<f64>> = Vec::new();
@@ -168,15 +206,34 @@ impl Table {
                     expected,
                 });
             }
-            let mut row = Vec::with_capacity(names.len());
+            let mut row = Vec::with_capacity(single.len());
             for (column, (cell, name)) in record.iter().zip(&names).enumerate() {
-                row.push(advice::number(cell).ok_or_else(|| CsvError::Number {
-                    line,
-                    header,
-                    column: column + 1,
-                    name: name.clone(),
-                    text: cell.to_owned(),
-                })?);
+                let number = |text: &str| {
+                    advice::number(text).ok_or_else(|| CsvError::Number {
+                        line,
+                        header,
+                        column: column + 1,
+                        name: name.clone(),
+                        text: text.to_owned(),
+                    })
+                };
+                let Some(whole) = wholes[column] else {
+                    row.push(number(cell)?);
+                    continue;
+                };
+                let found = cell.split_whitespace().count();
+                if found != whole.len() {
+                    return Err(CsvError::Elements {
+                        line,
+                        column: column + 1,
+                        name: name.clone(),
+                        found,
+                        expected: whole.len(),
+                    });
+                }
+                for text in cell.split_whitespace() {
+                    row.push(number(text)?);
+                }
             }
             if let Some(before) = rows.last().map(|row| row[0]).filter(|&t| row[0] < t) {
                 let time = row[0];
@@ -187,7 +244,15 @@ impl Table {
         if rows.is_empty() {
             return Err(CsvError::NoRows);
         }
-        Ok((Self { names, rows }, header))
+        let names = Names {
+            line: header,
+            columns,
+        };
+        let table = Self {
+            names: single,
+            rows,
+        };
+        Ok((table, names))
     }
 
     /// As text.
@@ -254,148 +319,4 @@ fn written(value: f64) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Python 3.11: `[str(x) for x in …]`.
-    #[test]
-    fn numbers_are_written_as_python_writes_them() {
-        for (value, expected) in [
-            (0.0, "0.0"),
-            (-0.0, "-0.0"),
-            (1.0, "1.0"),
-            (0.1, "0.1"),
-            (1.0 / 3.0, "0.3333333333333333"),
-            (1e-4, "0.0001"),
-            (1e-5, "1e-05"),
-            (1.25e-7, "1.25e-07"),
-            (1e15, "1000000000000000.0"),
-            (1e16, "1e+16"),
-            (-1.5e300, "-1.5e+300"),
-            (5e-324, "5e-324"),
-        ] {
-            assert_eq!(written(value), expected);
-        }
-    }
-
-    #[test]
-    fn a_written_table_reads_back_to_the_same_bits() {
-        let table = Table {
-            names: vec!["time".into(), "a.b[1]".into()],
-            rows: vec![vec![0.0, 1.0 / 3.0], vec![0.1, -2e-300], vec![0.1, 5e22]],
-        };
-        assert!(
-            table
-                .to_text()
-                .starts_with("\"time\",\"a.b[1]\"\n0.0,0.3333333333333333\n")
-        );
-        assert_eq!(Table::parse(&table.to_text()), Ok((table, 1)));
-    }
-
-    /// What is in a table, wherever it stands.
-    fn read(text: &str) -> Table {
-        let read = Table::parse(text).unwrap_or_else(|error| panic!("{text:?}: {error}"));
-        read.0
-    }
-
-    #[test]
-    fn tables_of_spreadsheets_are_read_whatever_separates_their_columns() {
-        let expected = read("time,a,b\n0,1,2\n0.5,-1,3\n");
-        for text in [
-            "time;a;b\r\n0;1;2\r\n0.5;-1;3\r\n",
-            "time\ta\tb\n0\t1\t2\n0.5\t-1\t3\n",
-            "\u{feff}\r\n\"time\";\"a\";\"b\"\r\n0;1;2\r\n0.5;-1;3",
-        ] {
-            assert_eq!(read(text), expected, "{text:?}");
-        }
-        // What is in quotes belongs to a name.
-        let table = read("time,\"a;b;c\"\n0,1\n");
-        assert_eq!(table.names, ["time", "a;b;c"]);
-    }
-
-    #[test]
-    fn a_decimal_comma_is_refused_and_a_lack_of_separators_told() {
-        let told = |text: &str| Table::parse(text).expect_err("faulty").to_string();
-        for text in [
-            "time;a\n0;1,5\n",
-            "time\ta\n0\t1,234\n",
-            "time,a\n0,\"1,5\"\n",
-        ] {
-            let told = told(text);
-            assert!(told.starts_with("line 2, column 2 ('a'): '1,"), "{told}");
-            assert!(
-                told.contains("the decimal sign of these tables is a point"),
-                "{told}"
-            );
-        }
-        for text in ["time;a\n0;on\n", "time;a\n0;1,5,0\n"] {
-            assert!(!told(text).contains("decimal"), "{}", told(text));
-        }
-        assert!(told("time a\n0 1\n").contains("by commas, semicolons or tabs"));
-        assert!(!told("t,a\n0,1\n").contains("commas"));
-    }
-
-    #[test]
-    fn what_spreadsheets_add_to_a_table_is_no_part_of_it() {
-        let expected = read("time,a,b\n0,1,2\n0.5,-1,3\n");
-        for text in [
-            "sep=;\ntime;a;b\n0;1;2\n0.5;-1;3\n",
-            "\u{feff}\"sep=\t\"\r\ntime\ta\tb\r\n0\t1\t2\r\n0.5\t-1\t3\r\n",
-            "SEP=,\ntime,a,b\n0,1,2\n0.5,-1,3\n",
-            "time,a,b,,\n0,1,2,,\n0.5,-1,3,,\n,,,,\n",
-            "Time [s],a,b\n0,1,2,\n0.5,-1,3\n",
-        ] {
-            assert_eq!(read(text), expected, "{text:?}");
-        }
-        let line = |text: &str| Table::parse(text).expect("a table").1;
-        assert_eq!(line("sep=;\n\ntime;a\n0;1\n"), 3);
-        assert_eq!(line("time,a\n0,1\n"), 1);
-        let told = |text: &str| Table::parse(text).expect_err("faulty").to_string();
-        assert_eq!(
-            told("sep=;\ntime;a;a\n0;1;1\n"),
-            "line 2, column 3: 'a' stands there twice"
-        );
-        assert_eq!(
-            told("time,a\n0,1,2\n"),
-            "line 2: 3 values, but line 1 names 2 columns"
-        );
-        // Milliseconds must not become seconds.
-        assert!(told("time [ms],a\n0,1\n").contains("must be 'time', not 'time [ms]'"));
-    }
-
-    #[test]
-    fn spaces_quotes_line_ends_and_booleans_of_others_are_read() {
-        let text = "\u{feff}\"time\", \"on\" ,x\r\n0,True,1\r\n1,false,+2.5E1\r\n\r\n";
-        let (table, _) = Table::parse(text).expect("legal");
-        assert_eq!(table.names, ["time", "on", "x"]);
-        assert_eq!(table.rows, [[0.0, 1.0, 1.0], [1.0, 0.0, 25.0]]);
-    }
-
-    #[test]
-    fn faults_are_reported_with_line_and_column() {
-        let message = |text: &str| Table::parse(text).expect_err("faulty").to_string();
-        assert!(message("").contains("empty"));
-        assert!(message("PK\u{3}\u{4}\0\0").contains("no text"));
-        assert_eq!(
-            message("t,x\n0,1"),
-            "line 1: the first column must be 'time', not 't'"
-        );
-        assert_eq!(
-            message("time,x,x\n0,1,1"),
-            "line 1, column 3: 'x' stands there twice"
-        );
-        assert_eq!(
-            message("time,x\n\n0,1\r\n  \n1"),
-            "line 5: 1 values, but line 1 names 2 columns"
-        );
-        assert_eq!(
-            message("time,x\n0,1\n1,nan"),
-            "line 3, column 2 ('x'): 'nan' is no finite number"
-        );
-        assert_eq!(
-            message("time,x\n1,1\n0.5,2"),
-            "line 3: time 0.5 s comes after 1 s; times must not go back"
-        );
-        assert!(message("time,x\n").contains("no values"));
-    }
-}
+mod tests;

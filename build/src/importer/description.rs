@@ -8,6 +8,7 @@ use super::variable::{Kind, Variable};
 use crate::describe::ELEMENTS;
 use quick_xml::Reader;
 use quick_xml::events::Event;
+use std::collections::BTreeMap;
 use urdf2fmu_core::encoding::xml_replaced;
 use urdf2fmu_core::settings::FmiVersion;
 
@@ -40,6 +41,8 @@ pub struct Description {
     pub variables: Vec<Variable>,
     /// FMI 3: what the variables' handles mean.
     pub elements: Vec<Element>,
+    /// FMI 3: names of the elements of arrays, by the arrays' names.
+    pub arrays: BTreeMap<String, Vec<String>>,
 }
 
 impl Description {
@@ -145,10 +148,12 @@ impl Description {
                 _ => {}
             }
         }
-        (description.elements, description.variables) = match description.fmi {
-            FmiVersion::V2 => (Vec::new(), description.variables),
-            FmiVersion::V3 => arrays.elements()?,
-        };
+        if description.fmi == FmiVersion::V3 {
+            let listed = arrays.elements()?;
+            description.elements = listed.elements;
+            description.variables = listed.variables;
+            description.arrays = listed.wholes;
+        }
         if description.guid.is_empty() {
             let message = "it has no <fmiModelDescription>".to_owned();
             return Err(DescriptionError::Xml(message));
@@ -415,6 +420,13 @@ mod tests {
                 ("s", Kind::Text, 2, 0),
             ]
         );
+        // Those that have all of their elements to themselves.
+        let arrays = description.arrays.iter();
+        let arrays: Vec<_> = arrays
+            .map(|(name, list)| (name.as_str(), list.len()))
+            .collect();
+        assert_eq!(arrays, [("free", 4), ("m", 4), ("p", 2)]);
+        assert_eq!(description.arrays["p"], ["p.x", "p.y"]);
         assert_eq!(description.guid, "t");
         // As many states as the structural parameter says.
         let description = Description::parse(&exchange_of(4)).expect("Model Exchange of FMI 3");

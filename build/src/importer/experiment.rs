@@ -136,7 +136,8 @@ pub(super) fn description(folder: &Path) -> Result<Description, RunError> {
     Ok(Description::from_bytes(bytes)?)
 }
 
-/// The file of inputs, its columns matched with variables.
+/// The file of inputs, its columns matched with variables. Arrays stand there by their own names or
+/// by those of their elements.
 ///
 /// - `allowed`: how far apart, s, two times may lie that are taken for the same
 pub(super) fn signals(
@@ -144,13 +145,18 @@ pub(super) fn signals(
     path: &Path,
     allowed: f64,
 ) -> Result<Signals, RunError> {
-    let (table, line) = Table::parse(&decoded(read(path)?)).map_err(|source| RunError::Csv {
+    let elements = |name: &str| Some(description.arrays.get(name)?.as_slice());
+    let parsed = Table::parse(&decoded(read(path)?), elements);
+    let (table, places) = parsed.map_err(|source| RunError::Csv {
         path: path.to_owned(),
         source,
     })?;
     let mut list = Vec::new();
     for (column, name) in table.names.iter().enumerate().skip(1) {
-        let place = || format!("'{}', line {line}, column {}", path.display(), column + 1);
+        let place = || {
+            let (line, column) = (places.line, places.columns[column]);
+            format!("'{}', line {line}, column {column}", path.display())
+        };
         let settable = |v: &Variable| v.is_input() || v.variability == "tunable";
         let failed = |what| RunError::Name {
             place: place(),

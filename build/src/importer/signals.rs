@@ -156,7 +156,7 @@ mod tests {
     use super::*;
 
     fn signals(text: &str, variability: &str) -> Signals {
-        let (table, _) = Table::parse(text).expect("legal");
+        let (table, _) = Table::parse(text, |_| None).expect("legal");
         let variable = Variable {
             name: "u".into(),
             value_reference: 0,
