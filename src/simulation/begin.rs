@@ -4,6 +4,7 @@ use super::Simulation;
 use crate::dynamics::crba;
 use crate::initial::{self, initial_state};
 use crate::kinematics::Kinematics;
+use crate::model::{ActuatorId, ActuatorMode};
 use crate::slots::ParameterSlot;
 use crate::spatial::Vec3;
 
@@ -39,6 +40,34 @@ impl Simulation {
         let deep = depths.filter(|(c, depth)| *depth > c.spring.reference);
         let (deepest, depth) = deep.max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some((&self.model.links[deepest.link].name, depth))
+    }
+
+    /// Two joints of a group whose common position nobody has set, and where both begin, rad or m:
+    /// the first, which the command follows, and one that begins elsewhere, so that its servo is to
+    /// move it over. None once the simulation runs.
+    #[cfg_attr(small, optimize(size))]
+    pub fn apart_in_group(&mut self) -> Option<[(&str, f64); 2]> {
+        if self.stale {
+            self.place();
+        }
+        let (model, q) = (&self.model, &self.state.physical.q);
+        let begins = |a: &ActuatorId| {
+            let joint = model.actuators[a.index()].joint;
+            let body = model.scalar_body(joint)?;
+            let position = q[model.bodies[body.index()].coordinate];
+            Some((model.joints[joint.index()].name.as_str(), position))
+        };
+        let held = |a: &&ActuatorId| {
+            let mode = model.actuators[a.index()].mode;
+            let holds = matches!(mode, ActuatorMode::Position | ActuatorMode::Pd);
+            holds && !self.initialized && self.inputs.given[a.index()] == 0.0
+        };
+        model.outputs.groups.iter().find_map(|group| {
+            let first = begins(group.actuators.first().filter(held)?)?;
+            let mut others = group.actuators.iter().filter_map(begins);
+            let other = others.find(|other| (other.1 - first.1).abs() > CLOSED)?;
+            Some([first, other])
+        })
     }
 
     /// Derives everything from the parameters and puts the robot into its initial state.

@@ -221,7 +221,18 @@ impl Instance {
     /// On an error the instance stays in initialization mode, where the parameters can be
     /// corrected.
     pub(crate) fn exit_initialization_mode(&mut self) -> Result<(), FmiError> {
+        let apart = self.simulation.apart_in_group().map(|[first, other]| {
+            let [(leader, at), (name, own)] = [first, other];
+            format!(
+                "joints '{leader}' and '{name}' share a position command, which is not set and \
+                 follows '{leader}', but start at {at} and {own}: the servo of '{name}' moves it \
+                 over with its whole effort; set their initial.joint.*.position alike, or the command"
+            )
+        });
         self.simulation.initialize(self.experiment.start)?;
+        if let Some(message) = apart {
+            self.warn(&message);
+        }
         self.phase = match self.integrated_by {
             Interface::CoSimulation => Phase::StepComplete,
             Interface::ModelExchange => Phase::EventMode,

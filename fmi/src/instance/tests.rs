@@ -20,7 +20,7 @@ use crate::pointers::{In, Out};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::model::{
     Actuator, ActuatorMode, Body, Collider, Combination, ContactDefaults, Dof, DofId, Ground,
-    Initial, Joint, JointId, JointKind, Link, LinkId, Motion, OutputSelection, Root, RootId,
+    Group, Initial, Joint, JointId, JointKind, Link, LinkId, Motion, OutputSelection, Root, RootId,
     SolverDefaults, World,
 };
 use urdf2fmu_core::prepared::PreparedModel;

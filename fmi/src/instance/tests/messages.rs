@@ -6,7 +6,7 @@ use std::ffi::{CStr, c_char, c_void};
 
 /// A logger of an importer that keeps what it hears.
 #[allow(unsafe_code, reason = "an importer's function")]
-unsafe extern "C" fn keep(
+pub(super) unsafe extern "C" fn keep(
     heard: *mut c_void,
     status: Status,
     category: *const c_char,

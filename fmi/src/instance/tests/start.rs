@@ -10,6 +10,10 @@ const POSITION: u32 = 2;
 fn servo(version: Version) -> Instance {
     let mut model = rover();
     model.actuators[0].mode = ActuatorMode::Position;
+    servos(version, model)
+}
+
+fn servos(version: Version, model: Model) -> Instance {
     let axle = JointId(0);
     let slots = [
         Slot::Input(InputSlot::Position(0.into())),
@@ -83,5 +87,70 @@ fn a_command_that_is_not_set_holds_the_position_that_initialization_gives() {
         instance.reset();
         instance.restore(&state).expect("its own state");
         assert_eq!(begun(&mut instance, &[START], &[0.25]), [0.25, 0.25]);
+    }
+}
+
+/// A second axle, whose servo has one command with the first.
+fn paired() -> Instance {
+    let mut model = rover();
+    model.actuators[0].mode = ActuatorMode::Position;
+    model.links.push(Link {
+        name: "other".into(),
+        joint: Some(JointId(1)),
+        body: 2.into(),
+        ..model.links[1].clone()
+    });
+    model.joints.push(Joint {
+        name: "second".into(),
+        child: LinkId(2),
+        bodies: vec![2.into()],
+        ..model.joints[0].clone()
+    });
+    model.bodies.push(Body {
+        link: 2.into(),
+        joint: Some(1.into()),
+        coordinate: 8,
+        dof: DofId(7),
+        ..model.bodies[1].clone()
+    });
+    model.dofs.push(Dof {
+        body: 2.into(),
+        limits: None,
+    });
+    model.nq = 9;
+    model.actuators.push(Actuator {
+        joint: JointId(1),
+        dof: DofId(7),
+        ..model.actuators[0].clone()
+    });
+    model.initial.joint_positions.push(0.0);
+    model.initial.joint_velocities.push(0.0);
+    model.outputs.groups.push(Group {
+        name: "both".into(),
+        actuators: vec![0.into(), 1.into()],
+    });
+    servos(Version::V3, model)
+}
+
+/// A command cannot hold two joints that begin apart: who does not set it hears which one moves.
+#[test]
+fn a_group_whose_joints_start_apart_is_told_where_its_command_is_not_set() {
+    for (references, values, told) in [
+        (&[][..], &[][..], false),
+        (&[START], &[0.5], true),
+        (&[START, COMMAND], &[0.5, 0.5], false),
+    ] {
+        let mut heard: Vec<String> = Vec::new();
+        let mut instance = paired();
+        let list = std::ptr::from_mut(&mut heard).cast();
+        instance.logger = Logger::new(Sink::Fmi3(super::messages::keep), list, false);
+        begun(&mut instance, references, values);
+        drop(instance);
+        let expected = "Warning logStatusWarning joints 'axle' and 'second' share a position \
+                        command, which is not set and follows 'axle', but start at 0.5 and 0: the \
+                        servo of 'second' moves it over with its whole effort; set their \
+                        initial.joint.*.position alike, or the command";
+        let expected = told.then(|| expected.to_owned());
+        assert_eq!(heard, Vec::from_iter(expected), "{values:?}");
     }
 }
