@@ -121,6 +121,23 @@ mod tests {
         );
     }
 
+    /// Rolling and spinning friction are lever arms, m.
+    #[test]
+    fn arms_of_friction_follow_the_scale() {
+        let text = "<robot name='r'><link name='a'><contact><rolling_friction value='0.01'/>\
+                    <spinning_friction value='0.02'/></contact></link></robot>";
+        let options = ReadOptions {
+            scale: 4.0,
+            ..ReadOptions::default()
+        };
+        let robot = read_str(text, "r.urdf", std::path::Path::new("."), &options).expect("legal");
+        let arms = [
+            &robot.links[0].rolling_friction,
+            &robot.links[0].torsional_friction,
+        ];
+        assert_eq!(arms, [&Some(0.04), &Some(0.08)]);
+    }
+
     /// A room of 300 m³ with a mass of 1 kg, and a link with a placeholder of 1e-5 kg.
     #[test]
     fn masses_that_nobody_has_measured_are_no_millimetres() {
