@@ -1,6 +1,6 @@
 //! Findings of the assembly, and selection of joints and links by pattern.
 
-use crate::diagnostic::words::likeliest;
+use crate::diagnostic::words::{likeliest, nearest};
 use crate::diagnostic::{Diagnostic, Place, Severity, TOLD};
 use crate::pattern::Pattern;
 use crate::urdf::Description;
@@ -110,8 +110,17 @@ impl Findings {
             .filter(|&i| pattern.matches(names[i]))
             .collect();
         let Some(&first) = matching.first() else {
-            let nearest = likeliest(&pattern.text, names.iter().copied());
-            let help = pattern.help(nearest.map(|name| format!("the nearest {kind} is '{name}'")));
+            // A glob that is like nothing has no likeliest meaning.
+            let near = if pattern.is_glob() {
+                nearest(&pattern.text.replace(['*', '?'], ""), names.iter().copied())
+            } else {
+                likeliest(&pattern.text, names.iter().copied())
+            };
+            let help = match near {
+                Some(name) => Some(format!("the nearest {kind} is '{name}'")),
+                None => (!names.is_empty()).then(|| format!("there are {}", listed(names))),
+            };
+            let help = pattern.help(help);
             let message = format!("no {kind} matches '{}'", pattern.text);
             // Settings for all there are may be meant for other robots, too.
             if pattern.text == "*" {

@@ -21,6 +21,19 @@ fn names_and_globs_that_match_nothing_name_the_nearest() {
         );
         assert!(found.place.is_some(), "{settings}");
     }
+    // What is like nothing has no nearest name.
+    for (glob, told) in [
+        ("l*fft*", "the nearest joint is 'left'"),
+        ("*lefft", "the nearest joint is 'left'"),
+        ("*toe*", "there are 'left', 'right', 'mast'"),
+    ] {
+        let found = error(&cart(), &format!("[joint.\"{glob}\"]\ndamping = 1"));
+        let help = found.help.unwrap_or_default();
+        assert!(
+            found.code == "A101" && help.starts_with(told),
+            "{glob}: {help}"
+        );
+    }
     let found = error(&cart(), "[[actuator]]\njoint = \"[lr]*\"");
     assert_eq!(found.code, "A101");
     assert!(
