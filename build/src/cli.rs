@@ -250,7 +250,8 @@ pub(crate) struct Init {
     /// The robot
     #[arg(value_name = "ROBOT.urdf")]
     pub(crate) urdf: PathBuf,
-    /// Write the FMU's parameters with their values as an SSV file instead, for tools of SSP 1.0
+    /// Write the FMU's parameters with their values as an SSV file instead, for tools of SSP 1.0,
+    /// or of SSP 2.0 with --fmi 3 and arrays
     #[arg(long)]
     pub(crate) ssv: bool,
     /// Where it goes [default: standard output]

@@ -54,9 +54,9 @@ pub(super) fn findings(
                 "the mesh has {what} of {} m² about {}, {}, {} m from its origin: what comes there \
                  falls through",
                 brief(largest.area),
-                brief(at.x),
-                brief(at.y),
-                brief(at.z)
+                millimetres(at.x),
+                millimetres(at.y),
+                millimetres(at.z)
             ),
             "close it, unless things are to fall through it".to_owned(),
         ));
@@ -118,6 +118,11 @@ pub(super) fn findings(
         ));
     }
     found
+}
+
+/// A coordinate to the millimetre, m: its last digits are those of round-off.
+fn millimetres(x: f64) -> f64 {
+    (1e3 * x).round() / 1e3 + 0.0
 }
 
 /// A number with three digits.

@@ -442,6 +442,12 @@ fn holes_of_meshes_are_told_of_with_their_place() {
         one[0].contains("a hole of 1 m² about -3.5, 2.5, 0.1 m"),
         "{one:?}"
     );
+    // Turned by 45 degrees its middle, at 4.5, 4.5, comes to 0, 4.5 √2 but for round-off.
+    let turned = told(
+        &floor(&[(4, 4)]),
+        Vec3::new(0.0, 0.0, 0.25 * std::f64::consts::PI),
+    );
+    assert!(turned[0].contains("about 0, 6.364, 0.1 m"), "{turned:?}");
     let two = told(&floor(&[(2, 3), (6, 6), (7, 6)]), level);
     assert!(
         two[0].contains("2 holes, the largest of 2 m² about 7, 6.5, 0.1 m"),
