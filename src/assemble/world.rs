@@ -53,6 +53,22 @@ pub fn world(
     if guests.is_empty() {
         return build(description, settings);
     }
+    // The more so beside an error, which has to be found.
+    match joined(description, settings, guests) {
+        Ok(Assembled { model, diagnostics }) => Ok(Assembled {
+            model,
+            diagnostics: first_of_many(diagnostics),
+        }),
+        Err(findings) => Err(first_of_many(findings)),
+    }
+}
+
+/// The same, with all that is found of each of them.
+fn joined(
+    description: &Description,
+    settings: &Settings,
+    guests: &[Guest],
+) -> Result<Assembled, Vec<Diagnostic>> {
     // Pairs, loops and springs name what is around the robot, too.
     let mut alone = Settings {
         pairs: Vec::new(),
@@ -147,7 +163,7 @@ pub fn world(
     findings.extend(idle::of_world(&model, settings));
     Ok(Assembled {
         model,
-        diagnostics: first_of_many(findings),
+        diagnostics: findings,
     })
 }
 

@@ -83,6 +83,51 @@ fn notes_that_are_alike_for_many_objects_are_told_once_with_their_number() {
     assert!(told[0].ends_with("(and alike for 19 others)"), "{told:?}");
 }
 
+/// What is told of a hundred objects beside an error is what is told without it, so that the error
+/// is not behind it: of names, and of what makes no world.
+#[test]
+fn notes_that_are_alike_are_told_once_beside_errors_too() {
+    let objects = |count: usize| -> String {
+        let one = |i: usize| {
+            format!(
+                "[[world.object]]\nname = \"b{i}\"\nmass = 1\nxyz = [{i}, 2]\n\
+                 shape = {{ box = [0.1, 0.1, 0.1] }}\n"
+            )
+        };
+        (0..count).map(one).collect()
+    };
+    let hundred = objects(100);
+    let sound = built(&hundred, None).diagnostics;
+    assert!(sound.len() < 10, "{:?}", texts(&sound));
+    for (slip, code) in [
+        (
+            "[[outputs.pair]]\nname = \"p\"\nfirst = \"nope\"\nsecond = \"b1\"\n",
+            "A101",
+        ),
+        (
+            "[[loop]]\ntype = \"ball\"\nlinks = [\"chassis\", \"nope\"]\n",
+            "A101",
+        ),
+        ("[link.nope]\nfriction = 1\n", "A101"),
+    ] {
+        let found = surrounded(&format!("{hundred}{slip}"), None).expect_err(slip);
+        let (errors, others): (Vec<_>, Vec<_>) = found
+            .into_iter()
+            .partition(|d| d.severity == Severity::Error);
+        let codes: Vec<_> = errors.iter().map(|d| d.code).collect();
+        assert_eq!(codes, [code], "{slip}");
+        // Where things start is told once nothing is wrong.
+        assert!(
+            others.iter().all(|d| sound.contains(d)),
+            "{slip}: {:?}",
+            texts(&others)
+        );
+    }
+    let found = surrounded(&objects(400), None).expect_err("2,400 degrees of freedom");
+    let at = found.iter().position(|d| d.code == "A121");
+    assert!(at.is_some_and(|at| at < 10), "{at:?} of {}", found.len());
+}
+
 #[test]
 fn a_cube_beside_a_cart_has_its_own_variables_and_stands_on_the_ground() {
     let built = built(
