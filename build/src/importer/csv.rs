@@ -131,6 +131,44 @@ pub enum CsvError {
     NoRows,
 }
 
+/// Where a cell is.
+struct Cell<'a> {
+    line: u64,
+    header: u64,
+    column: usize,
+    name: &'a str,
+}
+
+impl Cell<'_> {
+    fn read(&self, text: &str) -> Result<f64, CsvError> {
+        advice::number(text).ok_or_else(|| CsvError::Number {
+            line: self.line,
+            header: self.header,
+            column: self.column,
+            name: self.name.to_owned(),
+            text: text.to_owned(),
+        })
+    }
+
+    /// Reads the elements of an array, of which there are `expected`.
+    fn read_array(&self, text: &str, expected: usize, row: &mut Vec<f64>) -> Result<(), CsvError> {
+        let found = text.split_whitespace().count();
+        if found != expected {
+            return Err(CsvError::Elements {
+                line: self.line,
+                column: self.column,
+                name: self.name.to_owned(),
+                found,
+                expected,
+            });
+        }
+        for text in text.split_whitespace() {
+            row.push(self.read(text)?);
+        }
+        Ok(())
+    }
+}
+
 impl Table {
     /// Reads a table; tells where its names stand, too. The column of an array has all of its
     /// elements in each cell, with spaces between them, and becomes a column for each.
@@ -206,33 +244,18 @@ impl Table {
                     expected,
                 });
             }
+            let cells = record.iter().zip(&names).zip(&wholes).enumerate();
             let mut row = Vec::with_capacity(single.len());
-            for (column, (cell, name)) in record.iter().zip(&names).enumerate() {
-                let number = |text: &str| {
-                    advice::number(text).ok_or_else(|| CsvError::Number {
-                        line,
-                        header,
-                        column: column + 1,
-                        name: name.clone(),
-                        text: text.to_owned(),
-                    })
+            for (column, ((cell, name), whole)) in cells {
+                let place = Cell {
+                    line,
+                    header,
+                    column: column + 1,
+                    name,
                 };
-                let Some(whole) = wholes[column] else {
-                    row.push(number(cell)?);
-                    continue;
-                };
-                let found = cell.split_whitespace().count();
-                if found != whole.len() {
-                    return Err(CsvError::Elements {
-                        line,
-                        column: column + 1,
-                        name: name.clone(),
-                        found,
-                        expected: whole.len(),
-                    });
-                }
-                for text in cell.split_whitespace() {
-                    row.push(number(text)?);
+                match whole {
+                    Some(whole) => place.read_array(cell, whole.len(), &mut row)?,
+                    None => row.push(place.read(cell)?),
                 }
             }
             if let Some(before) = rows.last().map(|row| row[0]).filter(|&t| row[0] < t) {
