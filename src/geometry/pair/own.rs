@@ -53,13 +53,14 @@ impl OwnPoints {
         (self.count, self.normal, self.placed) = (0, None, false);
     }
 
-    /// Calls `take` with the points of a shape that are over a triangle, nearer than `reach`, m.
+    /// Calls `take` with the points of a shape that are over a triangle, nearer than `reach`, m;
+    /// with whether that is only the middle of an end, and the place that must be over it.
     pub(super) fn each_on(
         &mut self,
         shape: &Placed,
         facet: &Facet,
         reach: f64,
-        mut take: impl FnMut(usize, PatchPoint, bool),
+        mut take: impl FnMut(usize, PatchPoint, bool, &Vec3),
     ) {
         let n = &facet.normal;
         self.update(shape, n);
@@ -87,6 +88,7 @@ impl OwnPoints {
                         ..halfway
                     },
                     !over,
+                    &p.over,
                 );
             }
         }

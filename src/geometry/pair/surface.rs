@@ -13,7 +13,9 @@
 //! A triangle carries a shape whose middle is in front of it, but not with a corner that lies
 //! beyond what is behind the triangle: the tip of a hull that has passed a wall is not as deep in
 //! its near side as the wall is thick, and more. Nor does it where its plane has come out of the
-//! ground again: of rough ground the plane of a triangle in a valley goes on over the next one.
+//! ground again: of rough ground the plane of a triangle in a valley goes on over the next one, and
+//! that of a wall of a hole above the floor. A corner that is just above the floor is behind the
+//! wall by its distance from the hole.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -97,11 +99,10 @@ pub(super) fn on_surface(
         if height <= 0.0 || height > around || beside {
             return;
         }
-        own.each_on(shape, facet, sink.reach, |own, point, beside| {
+        own.each_on(shape, facet, sink.reach, |own, point, beside, over| {
             let (corner, n) = (point.depth > radius && radius > 0.0, &facet.normal);
-            if corner
-                && (is_beyond(surface, n, &point, about) || is_off(surface, n, &point, radius))
-            {
+            let beyond = || is_beyond(surface, n, &point, about);
+            if corner && (beyond() || !beside && is_off(surface, facet, over, about)) {
                 return;
             }
             let place = OnFacet {
@@ -184,14 +185,15 @@ fn is_beyond(surface: &Surface, n: &Vec3, point: &PatchPoint, about: f64) -> boo
     })
 }
 
-/// Whether the place of a corner on the plane of a triangle is in front of the surface by more than
-/// `radius`, m: beyond a hollow edge the plane goes on in what rises there, but not where lower
-/// ground begins behind that. The nearest triangle tells; where its nearest place is on an edge,
-/// the one of both triangles that faces the place most.
-fn is_off(surface: &Surface, n: &Vec3, point: &PatchPoint, radius: f64) -> bool {
-    let place = point.x + n * (0.5 * point.depth);
+/// Whether the place on the plane of a triangle of the corner of a core is in front of the surface,
+/// by more than `about`, m: beyond a hollow edge the plane goes on in what rises there, but not
+/// where lower ground begins behind that, nor above the ground in which a wall of a hole ends. The
+/// nearest triangle tells; where its nearest place is on an edge, the one of both triangles that
+/// faces the place most.
+fn is_off(surface: &Surface, facet: &Facet, over: &Vec3, about: f64) -> bool {
+    let place = over - facet.normal * facet.height(over);
     let mut nearest = (f64::INFINITY, 0.0_f64);
-    surface.is_any_near(&place, 1.5 * point.depth, |facet| {
+    surface.is_any_near(&place, facet.apart(&place).norm(), |facet| {
         let apart = facet.apart(&place);
         let (distance, front) = (apart.norm(), facet.normal.dot(&apart));
         let nearer = distance < nearest.0 - SEAM;
@@ -200,7 +202,7 @@ fn is_off(surface: &Surface, n: &Vec3, point: &PatchPoint, radius: f64) -> bool 
         }
         false
     });
-    nearest.1 > radius
+    nearest.1 > about + SEAM
 }
 
 /// Adds the points of a shape on an edge.

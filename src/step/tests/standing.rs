@@ -1,8 +1,9 @@
 //! What is set down before the first step, and what stands on points of the terrain.
 
-use super::terrain::{field, ground, over};
+use super::terrain::{field, ground, mesh, over};
 use super::worlds::{body, depth};
 use super::*;
+use crate::geometry::pair::tests::solids::floor_with_hole;
 use crate::spatial::{rotation_from_quaternion, rotation_from_rpy};
 
 /// A box of 1 kg whose height follows from the ground, and in it 1 kg on a limp vertical slide.
@@ -129,6 +130,26 @@ fn a_block_slides_on_stiff_ground_from_its_first_step_as_coulomb_says() {
                 (x - expected).abs() < 1e-4 && z < 0.1 + 1e-6,
                 "{x} {expected} {z} at {tolerance}"
             );
+        }
+    }
+}
+
+/// A box on the rim of a hole in a mesh, 0.1 mm above it, stays where it is let down, as on even
+/// ground. It was thrown by up to 0.5 m by walls of the hole that its corners were not in.
+#[test]
+fn a_box_over_a_hole_in_a_mesh_stays_there() {
+    let half = Vec3::new(0.03, 0.03, 0.02);
+    for sides in [6, 16, 32] {
+        let terrain = mesh(&floor_with_hole(sides, 0.01));
+        for tolerance in [1e-3, 1e-5] {
+            let place = Vec3::new(0.003, 0.001, half.z + 1e-4);
+            let one = body(1.0, Shape::Box { half }, place);
+            let model = over(ground(terrain.clone(), Vec3::zeros()), one);
+            let mut s = start(model, tolerance);
+            run(&mut s, 0.5, 0.01);
+            let q = &s.state().physical.q;
+            let moved = (Vec3::new(q[0], q[1], q[2]) - place).norm();
+            assert!(moved < 1e-3, "{sides} sides, {tolerance}: {moved} m");
         }
     }
 }

@@ -10,7 +10,7 @@ mod jumps;
 pub(crate) mod lifts;
 mod meshes;
 mod nearby;
-mod solids;
+pub(crate) mod solids;
 
 use super::{Patch, PatchPoint, Side, Solid};
 use crate::geometry::Shape;

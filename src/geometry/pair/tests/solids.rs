@@ -16,7 +16,7 @@ fn ground(triangles: &[[Vec3; 3]]) -> Solid {
 }
 
 /// An even floor of 0.3 m about a hole of so many sides and of a radius, m, 0.1 m deep.
-fn floor_with_hole(sides: usize, radius: f64) -> Vec<[Vec3; 3]> {
+pub(crate) fn floor_with_hole(sides: usize, radius: f64) -> Vec<[Vec3; 3]> {
     let rings = [[0.3, 0.0], [radius, 0.0], [0.99 * radius, -0.1]];
     let corner = |ring: usize, side: usize| {
         let ([r, z], angle) = (rings[ring], (side % sides) as f64 * TAU / sides as f64);
@@ -157,5 +157,44 @@ fn the_end_of_a_capsule_beyond_a_plate_is_not_in_its_near_side() {
         let deepest = patch.points().iter().map(|p| p.depth).fold(0.0, f64::max);
         let label = format!("seed {seed}, case {case}, {tilt} rad, {before} m");
         assert!((deepest - deep).abs() < 1e-9, "{label}: {deepest} m");
+    }
+}
+
+/// A box over a hole in a floor that leans by less than a degree: its lowest corner is as deep as
+/// it is below the floor, nothing is deeper, and no normal leans more than the box. A corner that
+/// was above the floor was 50 mm deep behind the walls of the hole, which do not reach it:
+/// what went on beyond their upright edges did so above their ends, too.
+#[test]
+fn a_face_over_a_hole_lies_on_the_floor_about_it() {
+    let (seed, half) = (41, 0.05);
+    let mut random = Random(seed);
+    let thing = solid(&cube(half));
+    for sides in [4, 6, 16, 32, 64] {
+        let ground = ground(&floor_with_hole(sides, random.uniform(0.2, 0.6) * half));
+        for case in 0..100 {
+            let (tilt, angle) = (random.uniform(0.0, 0.01), random.uniform(0.0, TAU));
+            let R = turned(Vec3::new(angle.cos(), angle.sin(), 0.0), tilt)
+                * turned(Vec3::z(), random.uniform(0.0, TAU));
+            let signs = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+            let corners = signs.map(|[x, y]| R * Vec3::new(x * half, y * half, -half));
+            let lowest = corners.iter().map(|c| c.z).fold(0.0, f64::min);
+            let deep = random.uniform(1e-5, 5e-4);
+            let mut place = || random.uniform(-0.01, 0.01);
+            let X = at(Vec3::new(place(), place(), -lowest - deep), R);
+            let mut patch = Patch::new();
+            patch.find((&thing, &X), (&ground, &Pose::IDENTITY), 0.0);
+            let deepest = patch.points().iter().map(|p| p.depth).fold(0.0, f64::max);
+            let leaning = patch.points().iter().map(|p| p.normal.angle(&Vec3::z()));
+            let leaning = leaning.fold(0.0, f64::max);
+            let label = format!("seed {seed}, {sides} sides, case {case}, {tilt} rad");
+            assert!(
+                (deepest - deep).abs() < 1e-9,
+                "{label}: {deepest}, not {deep} m"
+            );
+            assert!(
+                leaning < tilt + 1e-6,
+                "{label}: a normal leans by {leaning} rad"
+            );
+        }
     }
 }
