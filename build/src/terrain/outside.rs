@@ -73,12 +73,15 @@ pub(super) fn findings(
         ));
     }
     let (mut seen, mut blind) = (0_u32, 0_u32);
-    let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(COLUMNS);
+    // Off the diagonals of what is looked at: a line of sight along an edge may miss both triangles
+    // there.
+    let [across, along] =
+        [0.5, 0.3].map(|in_column| move |k: u32| (f64::from(k) + in_column) / f64::from(COLUMNS));
     for i in 0..COLUMNS {
         for j in 0..COLUMNS {
             let from = Vec3::new(
-                low.x + size.x * middle(i),
-                low.y + size.y * middle(j),
+                low.x + size.x * across(i),
+                low.y + size.y * along(j),
                 high.z + 1.0,
             );
             let (origin, down) = (R.tr_mul(&from), R.tr_mul(&-Vec3::z()));

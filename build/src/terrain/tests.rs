@@ -401,6 +401,29 @@ fn meshes_that_look_down_or_are_in_millimetres_are_told_of() {
     assert_eq!(room.0, [("T003", Severity::Note)]);
 }
 
+/// A closed wedge of 0.2 rad, whose slope is divided along its diagonal. While columns ran along
+/// diagonals, too, lines of sight passed between its two triangles and met its underside alone:
+/// its outside was said to be down.
+#[test]
+fn a_closed_wedge_has_its_outside_up() {
+    let folder = tempfile::tempdir().unwrap();
+    for angle in [0.2_f64, 0.5, 0.9] {
+        let rise = 0.6 * angle.tan();
+        let text = format!(
+            "v -0.6 -0.4 0\nv -0.6 0.4 0\nv 0 -0.4 0\nv 0 0.4 0\nv -0.6 -0.4 {rise}\n\
+             v -0.6 0.4 {rise}\nf 1 2 4\nf 1 4 3\nf 5 3 4\nf 5 4 6\nf 1 5 6\nf 1 6 2\n\
+             f 1 3 5\nf 2 6 4\n"
+        );
+        for text in [text.replace("f 5 3 4\nf 5 4 6", "f 5 3 6\nf 3 4 6"), text] {
+            let file = write(folder.path(), "wedge.obj", text.as_bytes());
+            let settings = TerrainSettings::Mesh { file, scale: 1.0 };
+            let shape = shape("wedge", &settings, None).unwrap();
+            let found = findings("wedge", &shape, &Vec3::zeros(), None);
+            assert!(found.is_empty(), "{rise}: {found:?}");
+        }
+    }
+}
+
 /// A floor of 9 by 9 squares of 1 m ends at its border, which is no hole. Of squares that are left
 /// out, the larger hole is told of with its area and its middle, turned as the mesh is. A box
 /// without a lid has no hole, and triangles that meet a longer edge leave none.
