@@ -263,7 +263,7 @@ impl Pairs {
         }
         let near = &mut self.near;
         let mut add = |first: usize, second: usize| {
-            let pair = [first.min(second), first.max(second)];
+            let pair = in_order(first, second);
             if tree.contact.may_touch(pair) {
                 near.push(pair);
             }
@@ -339,37 +339,38 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
         let center = center + kin.origins[c.tree];
         let radius = c.radius + 2.0 * h * speed + more;
         Ball {
-            place: 0,
             center,
             radius,
             low: center.x - radius,
+            ..Ball::default()
         }
     };
     tree.worked_movers().all(|(first, collider)| {
         let own = ball(collider);
         let ground = terrain_at(collider, kin);
-        let apart = |second: usize| {
-            let c = &tree.contact.colliders[second];
-            !tree
-                .contact
-                .may_touch([first.min(second), first.max(second)])
-                || {
-                    let grounds = [&ground, &terrain_at(c, kin)];
-                    !balls_meet([collider, c], grounds, [&own, &ball(c)], 0.0)
-                }
-        };
         let range = [own.low - more, own.center.x + own.radius + more];
-        let mut others = tree.worked_movers().skip_while(|(at, _)| *at <= first);
-        others.all(|(second, _)| apart(second)) && scenery(tree, range).all(apart)
+        partners(tree, first, range).all(|second| {
+            let c = &tree.contact.colliders[second];
+            let grounds = [&ground, &terrain_at(c, kin)];
+            !balls_meet([collider, c], grounds, [&own, &ball(c)], 0.0)
+        })
     })
 }
 
-/// Places of the scenery that a shape may meet which stays in a range of x, m.
-fn scenery(tree: &Tree, range: [f64; 2]) -> impl Iterator<Item = usize> + use<'_> {
-    let within = tree.contact.scenery.within(range);
-    within
-        .filter(|still| tree.takes(still.tree))
-        .map(|still| still.place)
+/// Places of all that may touch a shape which moves and stays in a range of x, m: of what moves,
+/// those behind its own, so that each pair is met once.
+fn partners(tree: &Tree, own: usize, range: [f64; 2]) -> impl Iterator<Item = usize> + use<'_> {
+    let later = tree.worked_movers().map(|(place, _)| place);
+    let later = later.skip_while(move |place| *place <= own);
+    let still = tree.contact.scenery.within(range);
+    let still = still.filter(|still| tree.takes(still.tree));
+    let places = later.chain(still.map(|still| still.place));
+    places.filter(move |place| tree.contact.may_touch(in_order(own, *place)))
+}
+
+/// A pair of places, the lower one first.
+fn in_order(a: usize, b: usize) -> [usize; 2] {
+    [a.min(b), a.max(b)]
 }
 
 /// Whether balls about two shapes are nearer than `reach`, m; of terrain, which stands at its place
@@ -414,9 +415,6 @@ pub fn may_pass(tree: &Tree, kin: &Kinematics, A: &[Vec6], h: f64, felt: &[usize
         (ball, way)
     };
     let may = |places: [usize; 2]| {
-        if !tree.contact.may_touch(places) {
-            return false;
-        }
         let [a, b] = places.map(|place| &tree.contact.colliders[place]);
         let slot = tree.contact.slot(places);
         let own = slot..slot + MOST_PARTS;
@@ -435,12 +433,10 @@ pub fn may_pass(tree: &Tree, kin: &Kinematics, A: &[Vec6], h: f64, felt: &[usize
             && pair.is_near(reach)
     };
     tree.worked_movers().any(|(first, a)| {
-        let mut others = tree.worked_movers().skip_while(|(at, _)| *at <= first);
         let (own, way) = ball(a);
         let reach = own.radius + way;
         let range = [own.center.x - reach, own.center.x + reach];
-        others.any(|(second, _)| may([first, second]))
-            || scenery(tree, range).any(|second| may([first.min(second), first.max(second)]))
+        partners(tree, first, range).any(|second| may(in_order(first, second)))
     })
 }
 
