@@ -7,11 +7,11 @@ use crate::kinematics::Kinematics;
 use crate::model::{Body, JointId, Model, RootId};
 use crate::parameters::Parameters;
 use crate::slots::ParameterSlot as P;
+use crate::spatial::{Vec3, quaternion_from_rotation, rotation_from_rpy};
 #[cfg(feature = "urdf")]
-use crate::spatial::{Vec3, rotation_from_quaternion, rpy_from_rotation};
-use crate::spatial::{quaternion_from_rotation, rotation_from_rpy};
+use crate::spatial::{rotation_from_quaternion, rpy_from_rotation};
 use crate::state::{Physical, State};
-use crate::tree::{BaseFrame, Tree};
+use crate::tree::{BaseFrame, Tree, TreeCollider};
 
 /// The state that the parameters ask for at `time`, s.
 #[cfg_attr(small, optimize(size))]
@@ -49,6 +49,23 @@ pub(crate) fn initial_state(model: &Model, parameters: &Parameters, time: f64) -
         }
     }
     state
+}
+
+/// Shapes that are deeper in the ground than their contacts carry the weight at rest, at the poses
+/// of `kin`, and how deep each is, m. What no force moves does not touch the ground.
+///
+/// - `tree`: with springs that are made for the weight, see [`Tree::scale`]
+pub(crate) fn in_ground<'a>(
+    model: &'a Model,
+    (tree, kin): (&'a Tree, &'a Kinematics),
+) -> impl Iterator<Item = (&'a TreeCollider, f64)> {
+    let colliders = tree.contact.colliders.iter().filter(|c| c.yields);
+    let depths = colliders.map(|c| {
+        let pose = kin.X[c.body].compose(&c.X);
+        let lowest = model.colliders[c.index].shape.lowest(&pose, &Vec3::z());
+        (c, -(kin.origin(tree, c.body).z + lowest))
+    });
+    depths.filter(|(c, depth)| *depth > c.spring.reference)
 }
 
 /// Closes the loops of the initial state that the parameters ask for: what they say otherwise than

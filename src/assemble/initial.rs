@@ -7,7 +7,7 @@ use super::findings::{Findings, counted, listed};
 use super::robot::{is_scalar, kind_name};
 use crate::dynamics::crba;
 use crate::force::{ContactSet, detect};
-use crate::initial::initial_state;
+use crate::initial::{in_ground, initial_state};
 use crate::kinematics::Kinematics;
 use crate::model::{Collider, JointId, JointKind, LinkId, Model, RootId};
 use crate::parameters::Parameters;
@@ -245,7 +245,7 @@ pub(super) fn height(
     let own = floating
         && touching.roots[0].position.z - static_depth(&touching) == model.roots[0].position.z;
     model.roots[0].set_down = own;
-    let deep = links_in_ground(model, poses);
+    let deep = links_in_ground(model);
     let deepest = deep.iter().max_by(|a, b| a.1.total_cmp(&b.1));
     if let Some(&(link, depth)) = deepest.filter(|_| !settings.driven) {
         let name = |link: usize| &model.links[link].name;
@@ -283,18 +283,12 @@ pub(super) fn height(
 
 /// The links that are deeper in the ground than their contacts carry the weight at rest, in their
 /// order, and how deep each is, m.
-fn links_in_ground(model: &Model, poses: &Poses) -> Vec<(usize, f64)> {
+fn links_in_ground(model: &Model) -> Vec<(usize, f64)> {
     let Poses { tree, kin } = scaled(model);
-    let base = poses.base_height(model) - model.roots[0].position.z;
     let mut depths = BTreeMap::new();
-    for resting in tree.contact.colliders.iter().filter(|c| c.moves) {
-        let X = kin.X[resting.body].compose(&resting.X);
-        let shape = &model.colliders[resting.index].shape;
-        let depth = base - shape.lowest(&X, &Vec3::z());
-        if depth > resting.spring.reference {
-            let deepest = depths.entry(resting.link).or_insert(depth);
-            *deepest = depth.max(*deepest);
-        }
+    for (collider, depth) in in_ground(model, (&tree, &kin)) {
+        let deepest = depths.entry(collider.link).or_insert(depth);
+        *deepest = depth.max(*deepest);
     }
     depths.into_iter().collect()
 }

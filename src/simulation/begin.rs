@@ -6,7 +6,6 @@ use crate::initial::{self, initial_state};
 use crate::kinematics::Kinematics;
 use crate::model::{ActuatorId, ActuatorMode};
 use crate::slots::ParameterSlot;
-use crate::spatial::Vec3;
 
 /// Way by which closing loops moves joints that stay where they are, rad or m: round-off.
 const CLOSED: f64 = 1e-12;
@@ -29,15 +28,7 @@ impl Simulation {
         self.model.world.ground.as_ref()?;
         let mut kin = Kinematics::new(&self.tree);
         kin.update_poses(&self.tree, &self.state.physical.q);
-        // What no force moves does not touch the ground.
-        let colliders = self.tree.contact.colliders.iter();
-        let depths = colliders.filter(|collider| collider.yields).map(|c| {
-            let shape = &self.model.colliders[c.index].shape;
-            let pose = kin.X[c.body].compose(&c.X);
-            let height = kin.origin(&self.tree, c.body).z;
-            (c, -(height + shape.lowest(&pose, &Vec3::z())))
-        });
-        let deep = depths.filter(|(c, depth)| *depth > c.spring.reference);
+        let deep = initial::in_ground(&self.model, (&self.tree, &kin));
         let (deepest, depth) = deep.max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some((&self.model.links[deepest.link].name, depth))
     }
