@@ -1,11 +1,12 @@
 //! What has no height of its own stands on the terrain below it.
 
+use super::world::guests;
 use super::*;
-use crate::assemble::{Guest, of_object, solid, world};
+use crate::assemble::{solid, world};
+use crate::geometry::field::{Field, Samples};
 use crate::geometry::pair::tests::lifts::lifts;
 use crate::geometry::surface::{Surface, Triangles};
 use crate::geometry::tests::corners;
-use crate::model::RootKind;
 use crate::settings::{ObjectSource, Settings};
 use crate::spatial::rotation_from_rpy;
 use crate::testing::Random;
@@ -35,19 +36,12 @@ fn square(middle: Vec3, above: bool) -> [[Vec3; 3]; 2] {
 
 /// Hills of triangles over a square of 4 m.
 fn hills(random: &mut Random) -> Vec<[Vec3; 3]> {
-    let heights: Vec<f64> = (0..81).map(|_| random.uniform(-0.5, 0.5)).collect();
-    let corner = |i: u8, j: u8| {
-        let [x, y] = [i, j].map(|i| 0.5 * f64::from(i) - 2.0);
-        Vec3::new(x, y, heights[usize::from(i) * 9 + usize::from(j)])
+    let samples = Samples {
+        size: [4.0, 4.0],
+        counts: [9, 9],
+        heights: (0..81).map(|_| random.uniform(-0.5, 0.5)).collect(),
     };
-    let places = (0..8).flat_map(|i| (0..8).map(move |j| (i, j)));
-    places
-        .flat_map(|(i, j)| {
-            let [a, b] = [corner(i, j), corner(i + 1, j)];
-            let [c, d] = [corner(i + 1, j + 1), corner(i, j + 1)];
-            [[a, b, c], [a, c, d]]
-        })
-        .collect()
+    Field::try_from(samples).expect("a grid").triangles()
 }
 
 /// The height of the object `plate` of the settings beside a cart that is far away, with these
@@ -58,23 +52,10 @@ fn height(text: &str, shapes: &[Shape]) -> (f64, String) {
     let text = format!("initial.xyz = [50, 0, 9]\n{text}\n{terrains}");
     let settings = Settings::parse(&text, "test.toml").expect("legal settings");
     let mut shapes = shapes.iter();
-    let objects = settings.objects.iter();
-    let guests: Vec<Guest> = objects
-        .map(|object| {
-            let name = object.name.as_ref().expect("a name").text.clone();
-            let description = match &object.source {
-                ObjectSource::Solid { shape, mass } => solid(&name, shape, *mass),
-                ObjectSource::Terrain(_) => solid(&name, shapes.next().expect("a shape"), 0.0),
-                ObjectSource::Urdf(_) => panic!("an object of a file"),
-            };
-            Guest {
-                name,
-                kind: RootKind::Object,
-                description,
-                settings: of_object(object, &settings),
-            }
-        })
-        .collect();
+    let guests = guests(&settings, |name, source| match source {
+        ObjectSource::Terrain(_) => solid(name, shapes.next().expect("a shape"), 0.0),
+        _ => panic!("an object of a file"),
+    });
     let built = world(&cart(), &settings, &guests);
     let built = built.unwrap_or_else(|findings| panic!("{}", texts(&findings).join("\n")));
     let told = built.diagnostics.iter();

@@ -4,7 +4,7 @@ use super::*;
 use crate::assemble::{Assembled, Guest, of_object, of_robot, solid, take_ground, world};
 use crate::diagnostic::Diagnostic;
 use crate::model::RootKind;
-use crate::settings::{ObjectSource, Settings};
+use crate::settings::{ObjectSettings, ObjectSource, Settings};
 use crate::variables;
 
 /// The cart with the objects of a settings file, which are solids, or the file of a test's own.
@@ -13,25 +13,34 @@ pub(super) fn surrounded(
     file: Option<&Description>,
 ) -> Result<Assembled, Vec<Diagnostic>> {
     let settings = Settings::parse(text, "test.toml").expect("legal settings");
-    let guests: Vec<Guest> = settings
-        .objects
-        .iter()
-        .map(|object| {
-            let name = object.name.as_ref().expect("a name").text.clone();
-            let description = match &object.source {
-                ObjectSource::Solid { shape, mass } => solid(&name, shape, *mass),
-                ObjectSource::Urdf(_) => file.expect("a file").clone(),
-                ObjectSource::Terrain(_) => solid(&name, &Shape::Plane, 0.0),
-            };
-            Guest {
-                name,
-                kind: RootKind::Object,
-                description,
-                settings: of_object(object, &settings),
-            }
-        })
-        .collect();
+    let guests = guests(&settings, |name, source| match source {
+        ObjectSource::Terrain(_) => solid(name, &Shape::Plane, 0.0),
+        _ => file.expect("a file").clone(),
+    });
     world(&cart(), &settings, &guests)
+}
+
+/// The objects of settings.
+///
+/// - `describe`: what is no solid
+pub(super) fn guests(
+    settings: &Settings,
+    mut describe: impl FnMut(&str, &ObjectSource) -> Description,
+) -> Vec<Guest> {
+    let guest = |object: &ObjectSettings| {
+        let name = object.name.as_ref().expect("a name").text.clone();
+        let description = match &object.source {
+            ObjectSource::Solid { shape, mass } => solid(&name, shape, *mass),
+            source => describe(&name, source),
+        };
+        Guest {
+            name,
+            kind: RootKind::Object,
+            description,
+            settings: of_object(object, settings),
+        }
+    };
+    settings.objects.iter().map(guest).collect()
 }
 
 pub(super) fn built(text: &str, file: Option<&Description>) -> Assembled {
