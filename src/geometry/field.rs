@@ -270,22 +270,18 @@ impl Field {
         Some((cell, place - count(cell)))
     }
 
-    /// The cubics of both rows of samples about a place and across them, and what is in the cell:
-    /// the height of its first corner, m, and on each row the samples' heights over it with their
-    /// slopes along x, and their slopes along y with those of both.
+    /// The place in its cell, and the nodes about it.
     #[inline]
-    fn cell_about(&self, x: f64, y: f64) -> Option<Cell> {
+    fn cell_about(&self, x: f64, y: f64) -> Option<Cell<'_>> {
         let ((i, u), (j, v)) = (self.cell_at(x, 0)?, self.cell_at(y, 1)?);
         let nx = self.samples.counts[0];
         let first = j * nx + i;
-        // Differences from one corner keep an even surface even.
-        let base = self.nodes[first][0];
-        let rows = [first, first + nx].map(|k| {
-            let [a, b] = [&self.nodes[k], &self.nodes[k + 1]];
-            let heights = [a[0] - base, b[0] - base, a[1], b[1]];
-            [heights, [a[2], b[2], a[3], b[3]]]
-        });
-        Some(Cell { u, v, base, rows })
+        let (near, far) = (
+            &self.nodes[first..first + 2],
+            &self.nodes[first + nx..first + nx + 2],
+        );
+        let rows = [[&near[0], &near[1]], [&far[0], &far[1]]];
+        Some(Cell { u, v, rows })
     }
 
     /// The surface over a place; none beyond the rectangle.
@@ -304,15 +300,22 @@ impl Field {
     /// The tangent plane of the surface over a place: height, m, and unit vector out of the ground.
     #[inline]
     pub fn tangent(&self, x: f64, y: f64) -> Option<(f64, Vec3)> {
-        let cell = self.cell_about(x, y)?;
-        let [px, py] = self.grid.per_metre;
-        let (height, [sx, sy]) = cell.tangent();
+        let (height, slope) = self.slopes(x, y)?;
         let local = Local {
             height,
-            slope: [sx * px, sy * py],
+            slope,
             bend: [0.0; 3],
         };
         Some((height, local.normal()))
+    }
+
+    /// The height of the surface over a place, m, and its slopes along x and y.
+    #[inline]
+    pub fn slopes(&self, x: f64, y: f64) -> Option<(f64, [f64; 2])> {
+        let cell = self.cell_about(x, y)?;
+        let [px, py] = self.grid.per_metre;
+        let (height, [sx, sy]) = cell.tangent();
+        Some((height, [sx * px, sy * py]))
     }
 
     /// The tangent plane of the surface below a point: its normal, and how deep the point is in it,

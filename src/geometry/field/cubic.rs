@@ -1,24 +1,23 @@
 //! The bicubic surface over one cell of a grid.
 
 /// A place in a cell, and the samples about it.
-pub(super) struct Cell {
+pub(super) struct Cell<'a> {
     /// How far in the cell, 0 … 1, along x and y.
     pub(super) u: f64,
     pub(super) v: f64,
-    /// m
-    pub(super) base: f64,
-    /// See `Field::cell_about`.
-    pub(super) rows: [[[f64; 4]; 2]; 2],
+    /// The nodes of its corners, see [`Field`](super::Field): both along x of the first row, and of
+    /// the second.
+    pub(super) rows: [[&'a [f64; 4]; 2]; 2],
 }
 
-impl Cell {
+impl Cell<'_> {
     /// Height, m, and slopes along x and y, m per cell.
     #[inline]
     pub(super) fn tangent(&self) -> (f64, [f64; 2]) {
         let (x, y) = (value(self.u), value(self.v));
         let (dx, dy) = (slope(self.u), slope(self.v));
         let across = self.across(&x);
-        let height = self.base + dot(&y, &across);
+        let height = self.base() + dot(&y, &across);
         (height, [dot(&y, &self.across(&dx)), dot(&dy, &across)])
     }
 
@@ -30,11 +29,23 @@ impl Cell {
         [along_x, both, along_y]
     }
 
-    /// What a polynomial along x makes of both rows: values, and slopes along y.
+    /// Height of its first corner, m. Differences from one corner keep an even surface even.
+    #[inline]
+    fn base(&self) -> f64 {
+        self.rows[0][0][0]
+    }
+
+    /// What a polynomial along x makes of both rows: heights over the base, and slopes along y.
     #[inline]
     fn across(&self, x: &[f64; 4]) -> [f64; 4] {
-        let [[h0, s0], [h1, s1]] = &self.rows;
-        [dot(x, h0), dot(x, h1), dot(x, s0), dot(x, s1)]
+        let base = self.base();
+        let [[a, b], [c, d]] = &self.rows;
+        [
+            dot(x, &[a[0] - base, b[0] - base, a[1], b[1]]),
+            dot(x, &[c[0] - base, d[0] - base, c[1], d[1]]),
+            dot(x, &[a[2], b[2], a[3], b[3]]),
+            dot(x, &[c[2], d[2], c[3], d[3]]),
+        ]
     }
 }
 

@@ -73,6 +73,12 @@ impl Field {
         p.x.abs() <= half[0] && p.y.abs() <= half[1]
     }
 
+    /// Whether the surface is below all of a square of half the width `around` about a place.
+    pub fn covers(&self, p: &Vec3, around: f64) -> bool {
+        let half = self.grid.half;
+        p.x.abs() + around <= half[0] && p.y.abs() + around <= half[1]
+    }
+
     /// Whether it goes on anywhere in other terrain.
     #[inline]
     pub fn has_seams(&self) -> bool {

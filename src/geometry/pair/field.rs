@@ -175,8 +175,11 @@ impl OnField<'_, '_> {
         let mut ends = [0, 1].map(|k| {
             let s = [1.0, -1.0][k];
             let center = shape.p + shape.axis() * (s * round.half);
-            if let Some(lows) = Lows::find(shape, round, s, (self.field, self.sink.reach)) {
-                given[k] = self.lows(round, s, &lows);
+            let lows = Lows::find(shape, round, s, (self.field, self.sink.reach));
+            if let Some(lows) = &lows
+                && !lows.found().is_empty()
+            {
+                given[k] = self.lows(round, s, lows);
                 return None;
             }
             let (n, _) = below_or_beyond(self.field, &center)?;

@@ -13,18 +13,28 @@
 //!
 //! Two places join as the circle moves on, and the less deep one of them ends. So it has a share as
 //! far as it is deeper than what is between it and a deeper one, see [`shares`].
+//!
+//! Around the circle the ground is looked at straight below and above it, as its height over the
+//! circle is a smooth function of the angle whose slope a look gives, too. Where that is highest
+//! the deepest place is looked for along the normal, from there on: both are the same place where
+//! the circle touches, and are off each other by the depth times the bend of the ground where it
+//! does not. Arcs that are higher than all ground below them by so much that they have no part are
+//! not looked at.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+mod turns;
+
+use self::turns::{Turn, Turns, between, shares};
 use super::core::Round;
 use super::placed::Placed;
 use super::points::{Rim, Side};
 use super::trace::Trace;
-use crate::geometry::field::{Field, count};
+use crate::geometry::field::{Field, Local, count};
 use crate::spatial::Vec3;
 use crate::tuning::{
-    CROWN, HOLLOW_LOOKS, MOST_NEAREST, NEAREST_IN_HOLLOW, NEAREST_ON_FIELD, RING_FLAT, RING_LEAN,
-    RING_ROUGH, ROUND_OFF,
+    CROWN, HOLLOW_LOOKS, MOST_NEAREST, NEAREST_ON_FIELD, RING_FLAT, RING_LEAN, RING_ROUGH,
+    ROUND_OFF,
 };
 use std::f64::consts::TAU;
 
@@ -53,27 +63,23 @@ pub(super) struct Lows {
     count: usize,
 }
 
-/// Where a circle is deeper in the ground than on either side.
-#[derive(Clone, Copy, Default)]
-struct Turn {
+/// A place of a circle and the ground straight below or above it.
+#[derive(Clone, Copy)]
+struct Look {
     angle: f64,
-    /// How far the ground is above it there, m.
+    /// How far the ground is above the circle, m.
     over: f64,
-    /// The least that the ground is above the circle from here to the next one, m.
-    least_after: f64,
+    /// How `over` changes along the circle, m/m.
+    rise: f64,
 }
 
-/// A place of a circle over the ground.
-#[derive(Clone, Copy)]
+/// A place of a circle and the ground along its normal.
 struct Spot {
-    angle: f64,
     /// Outwards from the middle.
     out: Vec3,
     x: Vec3,
     n: Vec3,
-    /// Upwards, m.
-    over: f64,
-    /// How `over` changes along the circle, but for a factor.
+    /// How the depth changes along the circle, m/m.
     rise: f64,
 }
 
@@ -93,6 +99,19 @@ pub(super) fn below_or_beyond(field: &Field, x: &Vec3) -> Option<(Vec3, f64)> {
     field.below(x).or_else(|| {
         let on = field.goes_on([x.x, x.y]);
         on.then(|| field.below_or_end(x))?
+    })
+}
+
+/// The surface straight below or above a place: its height, m, and its slopes along x and y; with
+/// its end continued as in [`below_or_beyond`].
+fn height_or_beyond(field: &Field, x: &Vec3) -> Option<(f64, [f64; 2])> {
+    field.slopes(x.x, x.y).or_else(|| {
+        if !field.goes_on([x.x, x.y]) {
+            return None;
+        }
+        let [a, b] = field.within([x.x, x.y]);
+        let (height, [dx, dy]) = field.slopes(a, b)?;
+        Some((height + dx * (x.x - a) + dy * (x.y - b), [dx, dy]))
     })
 }
 
@@ -123,19 +142,22 @@ impl Lows {
             across: [0, 1].map(|k| shape.R.column(k).into()),
             blend: shape.solid.blend,
         };
+        // What is higher by a blend more has no part in any share.
+        let far = -(reach / field.upright() + ring.blend);
         let mut turns = [Turn::default(); MOST_NEAREST];
-        let number = ring.turns(reach, &mut turns);
+        let number = ring.turns(far, &mut turns);
         let turns = &mut turns[..number];
         let mut lows = Self::default();
-        let shares = shares(turns, shape.solid.blend);
+        let shares = shares(turns, ring.blend);
         for (turn, part) in turns.iter().zip(shares) {
-            let low = ring.at(turn.angle).and_then(|spot| {
+            if part <= 0.0 || turn.over <= far {
+                continue;
+            }
+            let low = ring.settle(turn).and_then(|spot| {
                 let trace = Trace::new(shape, round, &spot.n, Side::First);
                 ring.low(&spot, trace.end(s), &middle)
             });
-            if let Some(low) = low
-                && part > 0.0
-            {
+            if let Some(low) = low {
                 lows.list[lows.count] = Low { part, ..low };
                 lows.count += 1;
             }
@@ -148,54 +170,35 @@ impl Lows {
     }
 }
 
-/// What each of the highest turns, in their order around the circle, has of the share of a circle.
-///
-/// The highest has all of it, another one as much of it as it is above what is between it and a
-/// higher one, in blends. Where two are as high as each other, they have the same: what both have
-/// is divided evenly as far as they are nearer to each other than to what is between them.
-fn shares(turns: &[Turn], blend: f64) -> [f64; MOST_NEAREST] {
-    let mut shares = [0.0; MOST_NEAREST];
-    let by_height = |a: &usize, b: &usize| turns[*a].over.total_cmp(&turns[*b].over);
-    let Some(top) = (0..turns.len()).max_by(by_height) else {
-        return shares;
-    };
-    shares[top] = 1.0;
-    let number = turns.len();
-    for i in (0..number).filter(|i| *i != top) {
-        let is_higher = |k: usize| k == top || turns[k].over > turns[i].over;
-        // What is lowest on the way to a higher one, forwards and backwards.
-        let mut ways = [f64::INFINITY; 2];
-        let mut k = i;
-        while k == i || !is_higher(k) {
-            ways[0] = ways[0].min(turns[k].least_after);
-            k = (k + 1) % number;
-        }
-        k = i;
-        while k == i || !is_higher(k) {
-            k = (k + number - 1) % number;
-            ways[1] = ways[1].min(turns[k].least_after);
-        }
-        let stands_out = turns[i].over - ways[0].max(ways[1]);
-        if stands_out <= 0.0 {
-            continue;
-        }
-        let own = (stands_out / blend).min(1.0);
-        let alike = (1.0 - (turns[top].over - turns[i].over) / stands_out).max(0.0);
-        let moved = 0.5 * (1.0 - own) * alike;
-        shares[i] = own + moved;
-        shares[top] = (shares[top] - moved).max(0.0);
-    }
-    shares
-}
-
 impl Ring<'_> {
+    /// The place at an angle, and the directions outwards and along the circle there.
+    fn place(&self, angle: f64) -> (Vec3, [Vec3; 2]) {
+        let (sin, cos) = libm::sincos(angle);
+        let [a, b] = &self.across;
+        let out = a * cos + b * sin;
+        (self.center + out * self.radius, [out, b * cos - a * sin])
+    }
+
+    /// The ground straight below or above an angle. None beyond the end of the ground.
+    fn look(&self, angle: f64) -> Option<Look> {
+        let (x, [_, along]) = self.place(angle);
+        let (height, [dx, dy]) = height_or_beyond(self.field, &x)?;
+        Some(Look {
+            angle,
+            over: height - x.z,
+            rise: dx * along.x + dy * along.y - along.z,
+        })
+    }
+
     /// The tangent plane of the ground at the place nearest to `x`: its normal, and how deep `x` is
     /// in it, m. That of the place straight below or above is off by the square of the depth where
     /// the ground is steep and bends. What is above the ground by two blends and more has no part,
     /// and is looked at straight from above.
     fn under(&self, x: &Vec3) -> Option<(Vec3, f64)> {
         let (mut n, mut depth) = below_or_beyond(self.field, x)?;
-        // Each look multiplies what is left by the depth over the radius of the hill.
+        // Each look multiplies what is left by the depth over the radius of the hill. What the next
+        // one would leave follows from the last two; no normal turns by more than about one.
+        let mut before = 1.0;
         for _ in 0..NEAREST_ON_FIELD {
             let least = -(2.0 * self.blend + depth).max(0.0);
             let along = depth.clamp(least, self.blend);
@@ -209,149 +212,153 @@ impl Ring<'_> {
             depth = next.dot(&(foot - x)) + left;
             let turned = (next - n).amax();
             n = next;
-            if turned <= ROUND_OFF {
+            if turned * turned <= ROUND_OFF * before {
                 break;
             }
+            before = turned;
         }
         Some((n, depth))
     }
 
-    /// None beyond the end of the ground.
-    fn at(&self, angle: f64) -> Option<Spot> {
-        let (sin, cos) = libm::sincos(angle);
-        let [a, b] = &self.across;
-        let out = a * cos + b * sin;
-        let x = self.center + out * self.radius;
-        let (n, depth) = self.under(&x)?;
-        Some(Spot {
-            angle,
-            out,
-            x,
-            n,
-            over: depth / n.z,
-            rise: n.dot(&(a * sin - b * cos)),
-        })
+    /// The ground along its normal at an angle.
+    fn spot(&self, angle: f64) -> Option<Spot> {
+        let (x, [out, along]) = self.place(angle);
+        let (n, _) = self.under(&x)?;
+        let rise = -n.dot(&along);
+        Some(Spot { out, x, n, rise })
     }
 
-    /// Whether each of the looks around the circle, at angles of `step`, is above all ground near
-    /// the circle by more than `−far` and a blend, so that it has no part. The heights of points at
-    /// even angles follow from those of two: `h₊ = 2 cos(step) h − h₋`.
-    fn are_far(&self, step: f64, far: f64) -> [bool; LOOKS] {
+    /// Which of the parts of the circle, of the angle `step`, are nowhere higher than the ground
+    /// below them by as much as `-far`. Points at even angles follow from two of them:
+    /// `p₊ = 2 cos(step) p − p₋`.
+    fn near(&self, step: f64, far: f64) -> [bool; LOOKS] {
         let c = &self.center;
-        // What round-off makes of the heights is far below a blend.
-        let least = self.field.highest(c.x, c.y, self.radius) - far + self.blend - c.z;
         let (sin, cos) = libm::sincos(step);
-        let [a, b] = self.across.map(|across| self.radius * across.z);
-        let (mut before, mut height) = (a * cos - b * sin, a);
-        let mut are_far = [false; LOOKS];
-        for is_far in &mut are_far {
-            *is_far = height >= least;
-            (before, height) = (height, 2.0 * cos * height - before);
+        let [a, b] = self.across.map(|across| across * self.radius);
+        // What a circle goes beyond its chords by.
+        let bow = self.radius * (1.0 - libm::cos(0.5 * step));
+        let least = self.field.highest(c.x, c.y, self.radius + bow) - far - c.z + bow;
+        let (mut before, mut first) = (a * cos - b * sin, a);
+        let mut near = [false; LOOKS];
+        for near in &mut near {
+            let last = first * (2.0 * cos) - before;
+            let low = first.z.min(last.z);
+            *near = low < least && {
+                let middle = c + (first + last) * 0.5;
+                let chord = last - first;
+                let around = 0.5 * chord.x.abs().max(chord.y.abs()) + bow;
+                // Beyond a seam the ground goes on as its end does.
+                let beyond = || self.field.has_seams() && !self.field.covers(&middle, around);
+                let top = self.field.highest(middle.x, middle.y, around);
+                low + c.z < top - far + bow || beyond()
+            };
+            (before, first) = (first, last);
         }
-        are_far
+        near
     }
 
     /// The highest turns in their order around the circle; returns how many there are.
-    fn turns(&self, reach: f64, turns: &mut [Turn; MOST_NEAREST]) -> usize {
+    ///
+    /// - `far`: how far above the circle ground has no part, m
+    fn turns(&self, far: f64, turns: &mut [Turn; MOST_NEAREST]) -> usize {
         let step = TAU / count(LOOKS);
-        let width = self.radius * step;
         // As many looks between two as cells of the ground are beside each other there.
         let [dx, dy] = self.field.cell();
-        let cells = 2.0 * width / dx.min(dy);
-        let fine = (1..LOOKS).find(|n| count(*n) >= cells);
-        let fine = fine.unwrap_or(LOOKS);
-        let far = -(reach + width) / self.field.upright();
-        let mut number = 0;
-        // What is lowest before the first turn belongs behind the last.
-        let mut first = f64::INFINITY;
-        let mut note = |over: f64, turns: &mut [Turn; MOST_NEAREST], number: usize| {
-            let least = match number {
-                0 => &mut first,
-                n => &mut turns[n - 1].least_after,
-            };
-            *least = least.min(over);
-        };
-        let are_far = self.are_far(step, far);
-        let look = |k: usize| (!are_far[k % LOOKS]).then(|| self.at(step * count(k % LOOKS)));
-        let start = look(0);
-        let mut after = start;
-        for k in 1..=LOOKS {
-            let before = after;
-            after = if k == LOOKS {
-                start.map(|start| start.map(|spot| Spot { angle: TAU, ..spot }))
-            } else {
-                look(k)
-            };
-            if before.is_none() && after.is_none() {
-                note(far, turns, number);
+        let cells = 2.0 * self.radius * step / dx.min(dy);
+        let parts = (1..LOOKS).find(|n| count(*n) >= cells).unwrap_or(LOOKS);
+        let near = self.near(step, far);
+        let mut found = Turns::new(turns);
+        let mut last = None;
+        for (k, near) in near.into_iter().enumerate() {
+            if !near {
+                found.pass(far);
+                last = None;
                 continue;
             }
-            let [mut last, next] = [(before, k - 1), (after, k)]
-                .map(|(spot, k)| spot.unwrap_or_else(|| self.at(step * count(k))));
-            let near = [&last, &next].map(|spot| spot.is_none_or(|spot| spot.over > far));
-            let parts = if near == [false; 2] { 1 } else { fine };
+            let mut before = last.unwrap_or_else(|| self.look(step * count(k)));
             for part in 1..=parts {
-                let then = if part == parts {
-                    next
+                let after = if k + 1 == LOOKS && part == parts {
+                    // To the last bit where the circle begins: no sign is missed there.
+                    self.look(0.0).map(|look| Look { angle: TAU, ..look })
                 } else {
-                    self.at(step * (count(k - 1) + count(part) / count(parts)))
+                    self.look(step * (count(k) + count(part) / count(parts)))
                 };
-                let before = std::mem::replace(&mut last, then);
-                let (Some(a), Some(b)) = (before, then) else {
+                if let (Some(a), Some(b)) = (before, after) {
+                    found.pass(a.over);
+                    self.turn(a, b, &mut found);
+                } else {
                     // Nothing is beyond the end of the ground.
-                    note(f64::NEG_INFINITY, turns, number);
-                    continue;
-                };
-                note(a.over, turns, number);
-                // What is far above the ground between two looks has no part.
-                let is_far = a.over.max(b.over) <= far;
-                if is_far || (a.rise > 0.0) == (b.rise > 0.0) {
-                    continue;
+                    found.pass(f64::NEG_INFINITY);
                 }
-                let Some(turn) = self.between(a, b) else {
-                    continue;
-                };
-                if a.rise > 0.0 {
-                    if number < MOST_NEAREST {
-                        turns[number] = Turn {
-                            angle: turn.angle,
-                            over: turn.over,
-                            least_after: f64::INFINITY,
-                        };
-                        number += 1;
-                    }
-                } else {
-                    note(turn.over, turns, number);
-                }
+                before = after;
             }
+            last = Some(before);
         }
-        if number > 0 {
-            turns[number - 1].least_after = turns[number - 1].least_after.min(first);
-        }
-        number
+        found.finish()
     }
 
-    /// Where the rise changes its sign between two places, by the Illinois method.
-    fn between(&self, a: Spot, b: Spot) -> Option<Spot> {
-        let (mut low, mut high) = ((a.angle, a.rise), (b.angle, b.rise));
-        let (mut kept, mut here) = (0.0, a);
-        for _ in 0..NEAREST_IN_HOLLOW {
-            let angle = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1));
-            here = self.at(angle)?;
-            if here.rise.abs() <= ROUND_OFF || high.0 - low.0 <= ROUND_OFF {
-                break;
-            }
-            if (here.rise > 0.0) == (low.1 > 0.0) {
-                low = (angle, here.rise);
-                high.1 *= if kept < 0.0 { 0.5 } else { 1.0 };
-                kept = -1.0;
-            } else {
-                high = (angle, here.rise);
-                low.1 *= if kept > 0.0 { 0.5 } else { 1.0 };
-                kept = 1.0;
-            }
+    /// Adds what is highest or lowest between two places.
+    fn turn(&self, a: Look, b: Look, found: &mut Turns) {
+        if (a.rise > 0.0) == (b.rise > 0.0) {
+            return;
         }
-        Some(here)
+        // The square of the rise is what the height is off by, but for a factor.
+        let ends = [a, b].map(|look| (look.angle, look.rise));
+        let at = |angle| self.look(angle).map(|look| (look.rise, look));
+        let Some(Look { angle, over, .. }) = between(ends, ROUND_OFF.sqrt(), at) else {
+            return;
+        };
+        if a.rise > 0.0 {
+            found.add(Turn {
+                angle,
+                between: b.angle - a.angle,
+                over,
+                least_after: f64::INFINITY,
+            });
+        } else {
+            found.pass(over);
+        }
+    }
+
+    /// How the rise changes at an angle, 1/rad: the direction along the circle turns inwards there.
+    fn bend(&self, angle: f64) -> Option<f64> {
+        let (x, [out, along]) = self.place(angle);
+        let [a, b] = self.field.within([x.x, x.y]);
+        let Local { slope, bend, .. } = self.field.at(a, b)?;
+        let across = bend[0] * along.x * along.x
+            + 2.0 * bend[1] * along.x * along.y
+            + bend[2] * along.y * along.y;
+        Some(self.radius * across - (slope[0] * out.x + slope[1] * out.y - out.z))
+    }
+
+    /// The deepest place near a turn. Newton's step from there tells about where; where twice as
+    /// far is not beyond it, four times as far, and so on, but not farther than the next look.
+    fn settle(&self, turn: &Turn) -> Option<Spot> {
+        let mut spot = self.spot(turn.angle)?;
+        if spot.rise.abs() <= ROUND_OFF {
+            return Some(spot);
+        }
+        let bend = self.bend(turn.angle)? * spot.n.z;
+        let way = if bend < 0.0 {
+            -spot.rise / bend
+        } else {
+            spot.rise.signum() * turn.between
+        };
+        let (mut far, mut last) = (2.0 * way, (turn.angle, spot.rise));
+        loop {
+            far = far.clamp(-turn.between, turn.between);
+            let angle = turn.angle + far;
+            let found = self.spot(angle)?;
+            let here = (angle, found.rise);
+            if (found.rise > 0.0) != (last.1 > 0.0) {
+                let at = |angle| self.spot(angle).map(|spot| (spot.rise, spot));
+                return between([last, here], ROUND_OFF, at);
+            }
+            if far.abs() >= turn.between {
+                return Some(spot);
+            }
+            (spot, last, far) = (found, here, 2.0 * far);
+        }
     }
 
     /// The point at a place: what is lowest along the normal. A flat end nearly stands there where

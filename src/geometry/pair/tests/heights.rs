@@ -274,3 +274,29 @@ fn a_cylinder_on_rough_heights_moves_as_its_rows_say() {
     }
     assert!(seen > 800, "{seen}");
 }
+
+/// A log across a ridge lies on its crest, at a sample, where both of its ends hang over rough
+/// ground far below.
+#[test]
+fn a_log_across_a_ridge_lies_on_it_with_its_ends_over_rough_ground() {
+    use std::f64::consts::FRAC_PI_2;
+    let along = *nalgebra::Rotation3::from_euler_angles(0.0, FRAC_PI_2, 0.0).matrix();
+    let (radius, deep) = (0.05, 1e-3);
+    let field = heights(800, |x, y| {
+        let rough = 0.005 * libm::cos(40.0 * x) * libm::cos(40.0 * y);
+        0.2 * libm::exp(-(x * x) / 0.02) + rough
+    });
+    let crest = 0.205;
+    let log = Shape::Cylinder {
+        radius,
+        half_length: 0.8,
+    };
+    let hills = Shape::Field { field };
+    let middle = Vec3::new(0.0, 0.0, crest + radius - deep);
+    let patch = find((&log, at(middle, along)), (&hills, Pose::IDENTITY), 1e-3);
+    // Samples on the crest, which bends by little from one to the next, act with a small share.
+    let own = patch.points().iter().filter(|p| p.rim.is_some());
+    let deepest = own.map(|p| p.depth).fold(f64::NEG_INFINITY, f64::max);
+    // One of the places along the log that are looked at is its middle.
+    assert!((deepest - deep).abs() < 1e-9, "{deepest:e}");
+}
