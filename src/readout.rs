@@ -23,6 +23,7 @@ use crate::kinematics::forward;
 use crate::model::{JointId, Model, RootId};
 use crate::sensor::Sensors;
 use crate::slots::{Axis, OutputSlot};
+use crate::sparsity::inverse::Inverse;
 use crate::spatial::{Pose, Vec3, Vec6, add6, dot6, quaternion_from_rotation, rpy_from_rotation};
 use crate::state::State;
 use crate::step::point::{Context, Point};
@@ -401,7 +402,7 @@ impl Readout {
         let (rows, factor) = (&self.point.kin.loops, &self.factor);
         if !rows.is_empty() {
             let closed = &mut self.closed;
-            closed.factor(tree, rows, |x| tree.sparsity.solve(factor, x));
+            closed.factor(tree, rows, &Inverse::Packed(&tree.sparsity, factor));
             let asked = |row: usize| -rows.bias[row];
             closed.close((tree, rows), asked, &mut self.vdot, &mut self.loops);
         }

@@ -10,6 +10,7 @@
 //! Source: Featherstone 2008, section 6.5; elimination trees: Liu 1990.
 
 pub mod coupled;
+pub mod inverse;
 
 use crate::spatial::{Vec6, add_scaled6, add6, dot6, multiply_lower};
 use std::ops::Range;
@@ -32,6 +33,8 @@ pub struct Sparsity {
     pub prefix: Vec<usize>,
     /// Rows that depend on no others.
     pub blocks: Vec<Block>,
+    /// The same, as short as they can be: a block has several where its base is mounted.
+    pub parts: Vec<Part>,
     /// The blocks that are worked on, by ascending index; of the others nothing is read or written.
     pub worked: Vec<usize>,
 }
@@ -43,6 +46,15 @@ pub struct Block {
     pub rows: Range<usize>,
     /// Whether the ancestors of every row begin with the first six, as they do for a floating base.
     pub floating: bool,
+}
+
+/// Rows that depend on no others, and the block that they are of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Which.
+    pub own: Block,
+    /// Index of the block.
+    pub block: usize,
 }
 
 impl Sparsity {
@@ -111,6 +123,7 @@ impl Sparsity {
             self.column
                 .extend(columns.map(|j| j.expect("few unknowns")));
         }
+        self.add_parts(rows.clone(), floating);
         self.blocks.push(Block { rows, floating });
     }
 

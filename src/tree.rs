@@ -19,6 +19,7 @@ mod base;
 mod closure;
 mod closures;
 mod driven;
+mod elimination;
 mod flush;
 mod island;
 mod pairs;
@@ -87,6 +88,7 @@ impl Tree {
             long: false,
             link_pose: Vec::new(),
             closures: Vec::new(),
+            closure_order: Vec::new(),
             springs: Vec::new(),
             world: World {
                 gravity: Vec3::zeros(),
@@ -130,6 +132,7 @@ impl Tree {
         tree.add_colliders(model, &frames, known);
         tree.contact.scenery = tree.scenery();
         tree.sparsity = tree.pattern();
+        tree.order_closures();
         tree.select_all();
         for joint in &model.joints {
             for body in &joint.bodies {

@@ -18,14 +18,18 @@
 //!    cannot all be without acceleration. So `τ` has the least sum of the squares of what is left
 //!    of the accelerations and, by [`SHARED_LOAD`], of forces, `(P_AA² + ε²) τ = −P_AA v̇₀_A`, in
 //!    units of the diagonal: such motors share their load.
+//!
+//! Rows and motors have entries at the parts of the joint-space matrix that they act on alone, and
+//! motors that no loop joins have none in common: what is zero is neither computed nor kept.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::rows::Rows;
-use super::schur::{cholesky, divide, forward, soften};
+use super::skyline::Skyline;
 use crate::model::{ActuatorMode, Model};
-use crate::tree::Tree;
+use crate::tree::{Closure, Tree};
 use crate::tuning::{LOOP_COMPLIANCE, SHARED_LOAD, SPARE};
+use std::ops::Range;
 
 /// Mass and load of the motors in loops.
 #[derive(Clone, Debug)]
@@ -36,21 +40,22 @@ pub struct Felt {
     of: Vec<Option<[f64; 2]>>,
     /// Degrees of freedom of the loops, ascending.
     dofs: Vec<usize>,
-    /// Actuators that hold joints of loops, and the places of these in `dofs`.
-    motors: Vec<(usize, usize)>,
-    /// By rows of `n = dofs.len()` numbers.
-    L: Vec<f64>,
-    /// One row a row of the loops, `n` numbers each.
+    /// Actuators that hold joints of loops.
+    motors: Vec<Motor>,
+    L: Skyline,
+    /// One row a row of the loops, each at the places that `spans` tells, from `starts` on.
     Z: Vec<f64>,
-    /// By rows of as many numbers as the loops have rows.
-    C: Vec<f64>,
-    /// `z` and `w` of the motors, one after the other, and last those of `v̇₀`.
+    spans: Vec<Range<usize>>,
+    starts: Vec<usize>,
+    C: Skyline,
+    /// `z` and `w` of the motors, one after the other, and last those of `v̇₀`; of the motors where
+    /// their places and rows are.
     z: Vec<f64>,
     w: Vec<f64>,
     /// `P_AA` in units of its diagonal, the factor of its square, and what makes a force or an
     /// acceleration of a unit.
     P: Vec<f64>,
-    square: Vec<f64>,
+    square: Skyline,
     scale: Vec<f64>,
     /// `−v̇₀_A`, then `τ`, in these units.
     asked: Vec<f64>,
@@ -58,7 +63,20 @@ pub struct Felt {
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Felt: dofs L Z C z w P square scale asked loads; needed of motors);
+crate::spoil::spoil!(
+    Felt: dofs L Z spans starts C z w P square scale asked loads; needed of motors
+);
+
+/// An actuator that holds a joint of a loop.
+#[derive(Clone, Debug)]
+struct Motor {
+    index: usize,
+    /// Places of the degrees of freedom of loops from its own to the last one of its part.
+    span: Range<usize>,
+    /// Rows of loops that it may do something to, and motors, by their places in the list.
+    rows: Range<usize>,
+    beside: Range<usize>,
+}
 
 /// What masses and loads are found from.
 #[derive(Clone, Copy, Debug)]
@@ -87,13 +105,15 @@ impl Felt {
             of: vec![None; model.actuators.len()],
             dofs: Vec::with_capacity(nv),
             motors: Vec::with_capacity(k),
-            L: Vec::with_capacity(nv * nv),
+            L: Skyline::new(nv),
             Z: Vec::with_capacity(m * nv),
-            C: Vec::with_capacity(m * m),
-            z: Vec::with_capacity((k + 1) * nv),
-            w: Vec::with_capacity((k + 1) * m),
-            P: Vec::with_capacity(k * k),
-            square: Vec::with_capacity(k * k),
+            spans: Vec::with_capacity(m),
+            starts: Vec::with_capacity(m),
+            C: Skyline::new(m),
+            z: vec![0.0; (k + 1) * nv],
+            w: vec![0.0; (k + 1) * m],
+            P: vec![0.0; k * k],
+            square: Skyline::new(k),
             scale: Vec::with_capacity(k),
             asked: Vec::with_capacity(k),
             loads: Vec::with_capacity(k),
@@ -121,6 +141,7 @@ impl Felt {
         self.select(model, tree, acts);
         if !self.motors.is_empty() {
             self.factor(tree, at);
+            self.gather();
             self.reduce(at);
             self.share(at);
         }
@@ -139,108 +160,201 @@ impl Felt {
         self.motors.clear();
         for (index, actuator) in model.actuators.iter().enumerate() {
             if actuator.mode != ActuatorMode::Effort && acts(index) {
-                let place = self.dofs.binary_search(&actuator.dof.index());
-                self.motors.extend(place.ok().map(|place| (index, place)));
+                let dof = actuator.dof.index();
+                if let Ok(place) = self.dofs.binary_search(&dof) {
+                    self.motors.push(Motor {
+                        index,
+                        span: place..self.end(tree, tree.sparsity.part_of(dof)),
+                        rows: 0..0,
+                        beside: 0..0,
+                    });
+                }
             }
         }
     }
 
+    /// Where the degrees of freedom of a part end in `dofs`.
+    fn end(&self, tree: &Tree, part: usize) -> usize {
+        let end = tree.sparsity.parts[part].own.rows.end;
+        self.dofs.partition_point(|dof| *dof < end)
+    }
+
     /// `L`, `Z` and `C`.
     fn factor(&mut self, tree: &Tree, at: Carried) {
-        let (n, m) = (self.dofs.len(), at.rows.len());
         self.L.clear();
-        for dof in &self.dofs {
-            let entry = |other: &usize| tree.sparsity.entry(at.M, *dof, *other);
-            self.L.extend(self.dofs.iter().map(entry));
+        let mut begin = 0;
+        for (place, dof) in self.dofs.iter().enumerate() {
+            let part = &tree.sparsity.parts[tree.sparsity.part_of(*dof)].own.rows;
+            while self.dofs[begin] < part.start {
+                begin += 1;
+            }
+            let others = &self.dofs[begin..=place];
+            for (entry, other) in self.L.add(begin).iter_mut().zip(others) {
+                *entry = tree.sparsity.entry(at.M, *dof, *other);
+            }
         }
-        cholesky(&mut self.L, n);
+        self.L.factor();
         self.Z.clear();
-        self.Z.resize(m * n, 0.0);
+        self.spans.clear();
+        self.starts.clear();
         self.C.clear();
-        self.C.resize(m * m, 0.0);
-        for row in 0..m {
-            let (before, z) = self.Z.split_at_mut(row * n);
-            let z = &mut z[..n];
+        let mut last = (usize::MAX, 0..0);
+        for row in 0..at.rows.len() {
+            let index = at.rows.closure_of(row);
+            if last.0 != index {
+                let Closure { dofs, parts, .. } = &tree.closures[index];
+                let begin = |dof: &usize| self.dofs.partition_point(|other| other < dof);
+                let ends = dofs.first().zip(parts.last());
+                let span = ends.map_or(0..0, |(dof, part)| begin(dof)..self.end(tree, *part));
+                last = (index, span);
+            }
+            let own = last.1.clone();
+            let start = self.Z.len();
+            self.Z.resize(start + own.len(), 0.0);
+            let z = &mut self.Z[start..];
             let (dofs, entries) = at.rows.entries(tree, row);
             for (dof, entry) in dofs.iter().zip(entries) {
-                z[self.dofs.partition_point(|other| other < dof)] += entry;
+                z[self.dofs.partition_point(|other| other < dof) - own.start] += entry;
             }
-            forward(&self.L, n, z);
-            let places = &mut self.C[row * m..=row * m + row];
-            let others = before.chunks_exact(n).map(|other| dot(other, z));
-            for (place, product) in places.iter_mut().zip(others.chain([dot(z, z)])) {
-                *place = product;
+            self.L.forward_span(own.clone(), z);
+            self.spans.push(own);
+            self.starts.push(start);
+            let meets = |other: &usize| !common(&self.spans[*other], &self.spans[row]).is_empty();
+            let first = (0..row).find(meets).unwrap_or(row);
+            for (entry, other) in self.C.add(first).iter_mut().zip(first..) {
+                let both = common(&self.spans[other], &self.spans[row]);
+                let [a, b] = [other, row].map(|row| {
+                    let from = both.start - self.spans[row].start;
+                    &self.Z[self.starts[row] + from..][..both.len()]
+                });
+                *entry = dot(a, b);
             }
         }
-        soften(&mut self.C, m, LOOP_COMPLIANCE);
-        cholesky(&mut self.C, m);
+        self.C.soften(LOOP_COMPLIANCE);
+        self.C.factor();
+    }
+
+    /// What each motor may do something to: what is in its part, and what loops join with that.
+    fn gather(&mut self) {
+        for i in 0..self.motors.len() {
+            let span = self.motors[i].span.clone();
+            let alike = i > 0 && self.motors[i - 1].span.end == span.end;
+            self.motors[i].rows = if alike {
+                self.motors[i - 1].rows.clone()
+            } else {
+                let meets = |own: &Range<usize>| !common(own, &span).is_empty();
+                let row = self.spans.iter().position(meets);
+                row.map_or(0..0, |row| self.C.block(row))
+            };
+        }
+        for i in 0..self.motors.len() {
+            let motor = &self.motors[i];
+            let joined = |other: &Motor| {
+                other.span.end == motor.span.end
+                    || !motor.rows.is_empty() && other.rows == motor.rows
+            };
+            let beside = if i > 0 && joined(&self.motors[i - 1]) {
+                self.motors[i - 1].beside.clone()
+            } else {
+                let first = self.motors.iter().position(joined).unwrap_or(i);
+                let last = self.motors.iter().rposition(joined).unwrap_or(i);
+                first..last + 1
+            };
+            self.motors[i].beside = beside;
+        }
     }
 
     /// `z` and `w` of the motors and of `v̇₀`.
     fn reduce(&mut self, at: Carried) {
         let (n, m, k) = (self.dofs.len(), at.rows.len(), self.motors.len());
-        self.z.clear();
-        self.z.resize((k + 1) * n, 0.0);
-        self.w.clear();
-        self.w.resize((k + 1) * m, 0.0);
         for i in 0..=k {
             let z = &mut self.z[i * n..(i + 1) * n];
             let w = &mut self.w[i * m..(i + 1) * m];
-            if let Some((_, place)) = self.motors.get(i) {
-                z[*place] = 1.0;
+            let (span, rows) = if let Some(motor) = self.motors.get(i) {
+                z[motor.span.clone()].fill(0.0);
+                z[motor.span.start] = 1.0;
+                w[motor.rows.clone()].fill(0.0);
+                (motor.span.clone(), motor.rows.clone())
             } else {
                 for (z, dof) in z.iter_mut().zip(&self.dofs) {
                     *z = -at.bias[*dof];
                 }
                 w.copy_from_slice(&at.rows.bias[..m]);
+                (0..n, 0..m)
+            };
+            self.L.forward_span(span.clone(), &mut z[span.clone()]);
+            for row in rows.clone() {
+                let own = &self.spans[row];
+                let both = common(own, &span);
+                let Z = &self.Z[self.starts[row] + both.start - own.start..][..both.len()];
+                w[row] += dot(Z, &z[both]);
             }
-            forward(&self.L, n, z);
-            for (w, row) in w.iter_mut().zip(self.Z.chunks_exact(n)) {
-                *w += dot(row, z);
-            }
-            forward(&self.C, m, w);
+            self.C.forward_span(rows.clone(), &mut w[rows]);
         }
     }
 
     /// Masses, and shares of the load.
     fn share(&mut self, at: Carried) {
         let (n, m, k) = (self.dofs.len(), at.rows.len(), self.motors.len());
-        let (z, w) = (&self.z, &self.w);
-        let z = |i: usize| &z[i * n..(i + 1) * n];
-        let w = |i: usize| &w[i * m..(i + 1) * m];
-        let product = |a: usize, b: usize| dot(z(a), z(b)) - dot(w(a), w(b));
+        let (z, w, P, motors) = (&self.z, &self.w, &mut self.P, &self.motors);
+        // With another motor, or with `v̇₀`.
+        let product = |a: usize, b: usize| {
+            let Motor { span, rows, .. } = &motors[a];
+            let both = motors
+                .get(b)
+                .map_or(span.clone(), |b| common(span, &b.span));
+            let along = dot(&z[a * n..][both.clone()], &z[b * n..][both]);
+            along - dot(&w[a * m..][rows.clone()], &w[b * m..][rows.clone()])
+        };
         self.scale.clear();
-        for i in 0..k {
+        for (i, motor) in motors.iter().enumerate() {
+            let z = &z[i * n..][motor.span.clone()];
             // What cannot move at all is heavy.
-            let mobility = product(i, i).max(SPARE * dot(z(i), z(i)));
+            let mobility = product(i, i).max(SPARE * dot(z, z));
             self.scale.push(1.0 / mobility.sqrt());
         }
-        self.P.clear();
         self.asked.clear();
-        for i in 0..k {
+        for (i, motor) in motors.iter().enumerate() {
             let scale = &self.scale;
-            let along = (0..k).map(|j| product(i, j) * scale[i] * scale[j]);
-            self.P.extend(along);
+            for j in motor.beside.start..=i {
+                let joined = motors[j].beside == motor.beside;
+                let along = if joined { product(i, j) } else { 0.0 };
+                P[i * k + j] = along * scale[i] * scale[j];
+                P[j * k + i] = along * scale[j] * scale[i];
+            }
             self.asked.push(-product(i, k) * scale[i]);
         }
         self.square.clear();
         self.loads.clear();
-        for (i, row) in self.P.chunks_exact(k).enumerate() {
-            let others = self.P.chunks_exact(k).map(|other| dot(row, other));
-            self.square.extend(others);
-            self.square[i * k + i] += SHARED_LOAD * SHARED_LOAD;
-            self.loads.push(dot(row, &self.asked));
+        for (i, motor) in motors.iter().enumerate() {
+            let own = motor.beside.clone();
+            let row = |i: usize| &P[i * k..][own.clone()];
+            let entries = self.square.add(own.start);
+            for (entry, j) in entries.iter_mut().zip(own.start..) {
+                if motors[j].beside == own {
+                    *entry = dot(row(i), row(j));
+                }
+            }
+            entries[i - own.start] += SHARED_LOAD * SHARED_LOAD;
+            self.loads.push(dot(row(i), &self.asked[own.clone()]));
         }
-        cholesky(&mut self.square, k);
-        divide(&self.square, k, &mut self.loads);
-        for (i, (index, place)) in self.motors.iter().enumerate() {
-            let beyond = 1.0 / at.inverse_diagonal[self.dofs[*place]];
+        self.square.factor();
+        self.square.divide(&mut self.loads);
+        for (i, motor) in motors.iter().enumerate() {
+            let beyond = 1.0 / at.inverse_diagonal[self.dofs[motor.span.start]];
             let mass = (self.scale[i] * self.scale[i]).max(beyond);
-            self.of[*index] = Some([mass, self.loads[i] * self.scale[i]]);
+            self.of[motor.index] = Some([mass, self.loads[i] * self.scale[i]]);
         }
     }
 }
 
+/// What two ranges have in common.
+fn common(a: &Range<usize>, b: &Range<usize>) -> Range<usize> {
+    let start = a.start.max(b.start);
+    start..a.end.min(b.end).max(start)
+}
+
+#[inline]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -10,12 +10,16 @@
 mod felt;
 mod rows;
 mod schur;
+mod search;
+mod skyline;
 mod spare;
 
 pub use felt::{Carried, Felt};
 pub use rows::{Gap, Places, Rows};
 pub use schur::Schur;
 
+#[cfg(test)]
+mod ropes;
 #[cfg(test)]
 pub(crate) mod testing;
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::search::Search;
 use crate::spatial::{Mat3, Pose, Vec3, Vec6, angular, linear, velocity_at};
 use crate::tree::{Closure, ClosureKind, End, Tree};
 use crate::tuning::LEAST_LEVER;
@@ -24,11 +25,11 @@ pub struct Rows {
     /// Which of all rows are worked with: the others say nothing new, see [`Self::select`].
     pub(super) keep: Vec<bool>,
     /// Scratch of [`Self::select`].
-    pub(super) pivots: Vec<f64>,
+    pub(super) search: Search,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Rows: gap bias J start of place keep pivots;);
+crate::spoil::spoil!(Rows: gap bias J start of place keep search;);
 
 /// How far a loop is open.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -141,7 +142,7 @@ impl Rows {
             of: Vec::with_capacity(rows),
             place: Vec::with_capacity(rows),
             keep: vec![true; rows],
-            pivots: vec![0.0; rows * rows],
+            search: Search::new(rows),
         }
     }
 
@@ -156,9 +157,11 @@ impl Rows {
     }
 
     /// Rows of a loop, by its index among all; none where the step does not work on it.
-    pub fn of(&self, closure: usize) -> Range<usize> {
-        let first = self.of.partition_point(|other| *other < closure);
-        let end = self.of.partition_point(|other| *other <= closure);
+    pub fn of(&self, tree: &Tree, closure: usize) -> Range<usize> {
+        let rank = |other: usize| tree.closures[other].rank;
+        let own = rank(closure);
+        let first = self.of.partition_point(|other| rank(*other) < own);
+        let end = self.of.partition_point(|other| rank(*other) <= own);
         first..end
     }
 
@@ -186,9 +189,16 @@ impl Rows {
     }
 
     /// `J` of a row, with the degrees of freedom of its loop.
+    #[inline]
     pub(super) fn entries<'a>(&'a self, tree: &'a Tree, row: usize) -> (&'a [usize], &'a [f64]) {
         let dofs = &tree.closures[self.of[row]].dofs;
         (dofs, &self.J[self.start[row]..self.start[row] + dofs.len()])
+    }
+
+    /// The loop of a row, by its index among all.
+    #[inline]
+    pub(super) fn closure_of(&self, row: usize) -> usize {
+        self.of[row]
     }
 
     /// Place of a row among those of all loops.
@@ -383,7 +393,7 @@ impl Rows {
 
     /// How far a loop is open.
     pub fn opening(&self, tree: &Tree, closure: usize) -> Gap {
-        let gap = &self.gap[self.of(closure)];
+        let gap = &self.gap[self.of(tree, closure)];
         let lever = lever(tree, &tree.closures[closure]);
         let norm = |part: &[f64]| part.iter().map(|x| x * x).sum::<f64>().sqrt();
         if let ClosureKind::Coupler { .. } = tree.closures[closure].kind {
@@ -410,7 +420,7 @@ impl Rows {
     /// axes, and that midpoint from the first end, from the forces of all rows. For a coupler: the
     /// force along its sum, as that in x.
     pub fn wrench(&self, tree: &Tree, places: Places, closure: usize, forces: &[f64]) -> [Vec3; 3] {
-        let own = &forces[self.of(closure)];
+        let own = &forces[self.of(tree, closure)];
         let part = &tree.closures[closure];
         let lever = lever(tree, part);
         if own.is_empty() {

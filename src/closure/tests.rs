@@ -14,6 +14,7 @@ use crate::dynamics::{crba, rnea};
 use crate::kinematics::{Kinematics, advance};
 use crate::model::{LinkId, LoopKind, Model, Share};
 use crate::parameters::Parameters;
+use crate::sparsity::inverse::Inverse;
 use crate::spatial::Pose;
 use crate::state::State;
 use crate::testing::{Random, random_tree};
@@ -98,8 +99,8 @@ impl Case {
         let mut factor = self.kin.M.clone();
         self.tree.sparsity.factor(&mut factor);
         let mut schur = Schur::new(&self.tree);
-        let solve = |x: &mut [f64]| self.tree.sparsity.solve(&factor, x);
-        schur.factor(&self.tree, &self.kin.loops, solve);
+        let inverse = Inverse::Packed(&self.tree.sparsity, &factor);
+        schur.factor(&self.tree, &self.kin.loops, &inverse);
         schur
     }
 

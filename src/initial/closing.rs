@@ -10,6 +10,7 @@
 use crate::closure::{Gap, Schur};
 use crate::joint::Kind;
 use crate::kinematics::{Kinematics, advance};
+use crate::sparsity::inverse::Inverse;
 use crate::state::Physical;
 use crate::tree::Tree;
 use crate::tuning::{
@@ -196,12 +197,8 @@ impl Search<'_> {
         let before = self.freedom.clone();
         for _ in 0..=self.tree.bodies.len() {
             let (rows, free) = (&self.kin.loops, &self.freedom);
-            let divide = |x: &mut [f64]| {
-                for (x, free) in x.iter_mut().zip(free) {
-                    *x *= free;
-                }
-            };
-            self.closed.factor(self.tree, rows, divide);
+            let inverse = Inverse::Diagonal(&self.tree.sparsity, free);
+            self.closed.factor(self.tree, rows, &inverse);
             self.forces.clear();
             self.forces.extend(rows.gap.iter().map(|gap| -gap));
             self.closed.solve(&mut self.forces);
@@ -239,12 +236,8 @@ impl Search<'_> {
             v.copy_from_slice(&begin);
             self.free(held);
             let (rows, free) = (&self.kin.loops, &self.freedom);
-            let divide = |x: &mut [f64]| {
-                for (x, free) in x.iter_mut().zip(free) {
-                    *x *= free;
-                }
-            };
-            self.closed.factor(self.tree, rows, divide);
+            let inverse = Inverse::Diagonal(&self.tree.sparsity, free);
+            self.closed.factor(self.tree, rows, &inverse);
             for _ in 0..STOPPED {
                 let along = (0..rows.len()).map(|row| -rows.along(self.tree, row, v));
                 self.forces.clear();

@@ -105,7 +105,7 @@ impl Readout {
             }
             let rows = &point.kin.loops;
             if !rows.is_empty() {
-                closed.factor(tree, rows, |x| held.solve(tree, factor, x));
+                closed.factor(tree, rows, &factor.inverse(tree));
                 closed.close((tree, rows), |row| -rows.bias[row], vdot, loops);
             }
         }

@@ -292,6 +292,25 @@ impl Coupled {
                 pattern.solve_block(&pattern.blocks[b], &self.packed, x);
             }
         }
+        self.solve_joined(x);
+    }
+
+    /// Whether a block is coupled with another one.
+    #[inline]
+    pub(super) fn joins(&self, block: usize) -> bool {
+        self.any && self.joined[block]
+    }
+
+    /// From the first unknown of coupled blocks to the last one.
+    pub(super) fn joined_rows(&self) -> Range<usize> {
+        match (self.groups.last(), self.groups.first()) {
+            (Some(first), Some(last)) => first.start..last.end,
+            _ => 0..0,
+        }
+    }
+
+    /// [`Self::solve`] for the unknowns of coupled blocks alone.
+    pub(super) fn solve_joined(&self, x: &mut [f64]) {
         for group in &self.groups {
             by_length!(group.len(), self.take_off_group, (group.start, x));
         }

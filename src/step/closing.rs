@@ -11,6 +11,7 @@ use crate::closure::{Rows, Schur};
 use crate::dynamics::crba;
 use crate::kinematics::{Kinematics, advance};
 use crate::model::Model;
+use crate::sparsity::inverse::Inverse;
 use crate::state::Physical;
 use crate::tree::Tree;
 use crate::tuning::{CLOSED, OPEN, PROJECTIONS, STOPPED};
@@ -141,9 +142,8 @@ impl Closing {
     fn factor(&mut self, tree: &Tree, kin: &Kinematics) {
         self.factor.copy_from_slice(&kin.M);
         tree.sparsity.factor(&mut self.factor);
-        let factor = &self.factor;
-        self.closed
-            .factor(tree, &kin.loops, |x| tree.sparsity.solve(factor, x));
+        let inverse = Inverse::Packed(&tree.sparsity, &self.factor);
+        self.closed.factor(tree, &kin.loops, &inverse);
     }
 
     /// The change that closes what `asked` says of each row, into `self.change`.

@@ -14,6 +14,13 @@ pub struct Closure {
     pub columns: [Vec<(usize, usize)>; 2],
     /// Degrees of freedom that it acts on, ascending.
     pub dofs: Vec<usize>,
+    /// Parts of the joint-space matrix that it acts on, ascending.
+    pub parts: Vec<usize>,
+    /// Closures before it in [`Tree::closure_order`](super::Tree::closure_order) that act on one of
+    /// these, too, in that order, and itself.
+    pub beside: Vec<usize>,
+    /// Its place in that order.
+    pub rank: usize,
     /// Its first row among those of all closures.
     pub first: usize,
     /// Trees that it joins, without scenery; the second one may be the first one again, or none.

@@ -60,6 +60,9 @@ impl Tree {
                 columns: columns.map(|list| list.into_iter().map(place).collect()),
                 trees: self.trees_of(ends.map(|end| Some(self.bodies[end.body?].tree))),
                 first: self.closures.iter().map(|c| c.kind.rows()).sum(),
+                parts: Vec::new(),
+                beside: Vec::new(),
+                rank: 0,
                 dofs,
             });
         }
@@ -150,6 +153,9 @@ impl Tree {
             columns: [Vec::new(), Vec::new()],
             trees: [trees.first().copied(), trees.last().copied()],
             first: self.closures.iter().map(|c| c.kind.rows()).sum(),
+            parts: Vec::new(),
+            beside: Vec::new(),
+            rank: 0,
             dofs,
         });
     }
@@ -187,13 +193,14 @@ impl Tree {
         [without(&a, &b), without(&b, &a)]
     }
 
-    /// The closures that a step works on, with their indices.
+    /// The closures that a step works on, with their indices, in the order of their rows.
     pub fn worked_closures(&self) -> impl Iterator<Item = (usize, &Closure)> + '_ {
         let takes = |closure: &Closure| {
             let mut trees = closure.trees.iter().flatten();
             trees.next().is_some_and(|tree| self.takes(*tree))
         };
-        let closures = self.closures.iter().enumerate();
+        let order = self.closure_order.iter();
+        let closures = order.map(|index| (*index, &self.closures[*index]));
         closures.filter(move |(_, closure)| takes(closure))
     }
 

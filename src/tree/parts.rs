@@ -38,6 +38,9 @@ pub struct Tree {
     pub link_pose: Vec<Pose>,
     /// What closes loops; filled by [`Self::new`].
     pub closures: Vec<Closure>,
+    /// In which order their rows stand: that in which forces are solved for; filled by
+    /// [`Self::new`].
+    pub closure_order: Vec<usize>,
     /// Springs between two points; filled by [`Self::new`].
     pub springs: Vec<TreeSpring>,
     /// What the world does to all bodies.

@@ -5,6 +5,7 @@
 
 use super::{Factor, Newton, Problem, scaled_square};
 use crate::force::{Responses, Terms};
+use crate::sparsity::inverse::Inverse;
 use crate::spatial::Vec6;
 use crate::tree::Tree;
 use crate::tuning::ROUND_OFF;
@@ -76,11 +77,8 @@ impl Newton {
     pub(super) fn balance_loops(&mut self, p: &Problem) {
         let Problem { tree, kin, .. } = *p;
         let (rows, D2) = (&kin.loops, &kin.inverse_diagonal);
-        self.factor.closed.factor(tree, rows, |x| {
-            for k in tree.worked_dofs() {
-                x[k] *= D2[k];
-            }
-        });
+        let inverse = Inverse::Diagonal(&tree.sparsity, D2);
+        self.factor.closed.factor(tree, rows, &inverse);
         self.factored = false;
         self.forces.clear();
         for (left, (g, d)) in self.left.iter_mut().zip(self.gradient.iter().zip(D2)) {

@@ -4,6 +4,7 @@
 
 use crate::closure::{Rows, Schur};
 use crate::sparsity::coupled::Coupled;
+use crate::sparsity::inverse::Inverse;
 use crate::tree::Tree;
 
 /// `H`, or its factor and that of `J H⁻¹ Jᵀ`.
@@ -32,8 +33,13 @@ impl Factor {
         let Self { H, closed } = self;
         H.factor(&tree.sparsity);
         if !rows.is_empty() {
-            closed.factor(tree, rows, |x| H.solve(&tree.sparsity, x));
+            closed.factor(tree, rows, &Inverse::Coupled(&tree.sparsity, H));
         }
+    }
+
+    /// The inverse of `H`, once it is factorised.
+    pub fn inverse<'a>(&'a self, tree: &'a Tree) -> Inverse<'a> {
+        Inverse::Coupled(&tree.sparsity, &self.H)
     }
 
     /// `x = H⁻¹ (x + Jᵀλ)` with `J x = 0`; `λ` then stands in `forces`.

@@ -27,6 +27,7 @@ use crate::dynamics::aba::Articulated;
 use crate::dynamics::{crba, rnea};
 use crate::force::{Drive, JointTerm, effort, push_springs};
 use crate::kinematics::{Kinematics, position_rates};
+use crate::sparsity::inverse::Inverse;
 use crate::spatial::Vec6;
 use crate::state::ahead::Ahead;
 use crate::step::point::Context;
@@ -313,7 +314,7 @@ impl RungeKutta {
         let rows = &kin.loops;
         if !rows.is_empty() {
             let (closed, factor) = (&mut self.closed, &self.factor);
-            closed.factor(tree, rows, |x| tree.sparsity.solve(factor, x));
+            closed.factor(tree, rows, &Inverse::Packed(&tree.sparsity, factor));
             let asked = |row: usize| -rows.bias[row];
             closed.close((tree, rows), asked, acceleration, &mut self.loops);
         }
