@@ -1,15 +1,23 @@
 //! Springs between two points of bodies.
 //!
 //! With the vector `r` from the second point to the first one, its length `L` and direction `n`,
-//! a spring pulls the first point by `T = k (L − L₀)` along `−n`, and its damper by `d n·ṙ`. At the
-//! end of a step of `h` seconds with the relative velocity `u` of the points, to first order,
+//! a spring pulls the first point by `T = k (L − L₀)` along `−n`, and its damper by `d L̇`.
+//!
+//! A step has one place for lever arms, and one line `n` there. The length is a coordinate of its
+//! own: it begins as long as the spring is at the start of the step, and its rate at a time is
+//! `n·u + δ`. Here `u` is the relative velocity of the points with the lever arms of that place,
+//! and `δ` the drift: what `n·u` changes by until then because line and lever arms turn. So a
+//! damper takes nothing from what turns about its other end. At the end of a part of `h` seconds
+//! that begins with the length `L` and the displacement `s` from that place,
 //!
 //! ```text
-//! f = −(T n + (h K + d n nᵀ) u),    K = k n nᵀ + max(T/L, 0) (1 − n nᵀ)
+//! f = −(k (L + h (n·u + w δ) − L₀) + d (n·u + δ)) n − a (1 − n nᵀ) (s + h u)
 //! ```
 //!
-//! which is the gradient of a convex cost: a compressed spring that bows aside is left out of `K`,
-//! because it gives way.
+//! with `a = max(T/L, 0)` of the start of the step and `w = 1 − a/k`, which is the gradient of a
+//! convex cost. A compressed spring that bows aside is left out of `a`, because it gives way. The
+//! share `a/k` of a spring pulls as if its length without force were 0. This share is linear in
+//! `r` and has no drift.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -29,8 +37,16 @@ pub struct SpringTerm {
     pub other: Option<Other>,
     /// Its points, from O of the first body's tree, m.
     points: [Vec3; 2],
-    /// From the second to the first, m.
+    /// From the second to the first where its points are, m.
     apart: Vec3,
+    /// Length with which a part of a step begins, m.
+    drawn: f64,
+    /// Displacement of the first point then from there, as the second one sees it, m.
+    aside: Vec3,
+    /// Drift at the end of the part, m/s.
+    drift: f64,
+    /// Stiffness across the line, N/m.
+    across: f64,
     /// m
     length: f64,
     /// N/m
@@ -40,7 +56,9 @@ pub struct SpringTerm {
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(SpringTerm: index body other points apart length stiffness damping;);
+crate::spoil::spoil!(
+    SpringTerm: index body other points apart drawn aside drift across length stiffness damping;
+);
 
 impl SpringTerm {
     /// As it stands in `kin`.
@@ -57,6 +75,7 @@ impl SpringTerm {
             None => (b.X.p - own, Vec3::zeros()),
         };
         let moving = b.body.filter(|b| tree.bodies[*b].kind.moves());
+        let apart = point - place;
         Self {
             index,
             body,
@@ -66,7 +85,11 @@ impl SpringTerm {
                 axes: Mat3::identity(),
             }),
             points: [point, place],
-            apart: point - place,
+            apart,
+            drawn: apart.norm(),
+            aside: Vec3::zeros(),
+            drift: 0.0,
+            across: across(spring, apart.norm()),
             length: spring.length,
             stiffness: spring.stiffness,
             damping: spring.damping,
@@ -100,27 +123,27 @@ impl SpringTerm {
         n * -(self.tension(length) + self.damping * n.dot(u))
     }
 
-    /// `h K + d n nᵀ`, N·s/m.
-    pub fn resistance(&self, h: f64) -> Mat3 {
-        let (length, n) = self.line();
-        let along = n * n.transpose();
-        let tension = self.tension(length);
-        let across = if tension > 0.0 && length > 0.0 {
-            tension / length
-        } else if length == 0.0 && self.length == 0.0 {
-            self.stiffness
-        } else {
-            0.0
-        };
-        along * (h * self.stiffness + self.damping) + (Mat3::identity() - along) * (h * across)
+    /// Share of the force that turns with the line, `w`.
+    fn turning_share(&self) -> f64 {
+        1.0 - self.across / self.stiffness.max(f64::MIN_POSITIVE)
     }
 
-    /// Impulse on the first point in a step of `h` seconds that ends with the relative velocity
+    /// `(h k + d) n nᵀ + h a (1 − n nᵀ)`, N·s/m.
+    pub fn resistance(&self, h: f64) -> Mat3 {
+        let (_, n) = self.line();
+        let along = n * n.transpose();
+        along * (h * self.stiffness + self.damping) + (Mat3::identity() - along) * (h * self.across)
+    }
+
+    /// Impulse on the first point in a part of `h` seconds that ends with the relative velocity
     /// `u`, N·s.
     #[inline]
     pub fn impulse(&self, u: &Vec3, h: f64) -> Vec3 {
-        let (length, n) = self.line();
-        (n * self.tension(length) + self.resistance(h) * u) * -h
+        let (_, n) = self.line();
+        let drifting = h * self.stiffness * self.turning_share() + self.damping;
+        let along = self.tension(self.drawn) + drifting * self.drift;
+        let beside = self.aside - n * n.dot(&self.aside);
+        (n * along + beside * self.across + self.resistance(h) * u) * -h
     }
 
     /// Adds an impulse on the first point, and its reaction on the second one, to those on all
@@ -140,15 +163,70 @@ impl SpringTerm {
         [self.points[0], self.points[1] + from]
     }
 
-    /// Moves it by the displacement `way` of all bodies; its points stay where they act.
-    pub fn shift(&mut self, way: &[Vec6]) {
-        self.apart += self.relative(way);
+    /// Moves it by the displacement `way` of all bodies, and by what it drifts in `risen` seconds;
+    /// its line and its points stay where they are.
+    pub fn shift(&mut self, way: &[Vec6], risen: f64) {
+        let (_, n) = self.line();
+        let moved = self.relative(way);
+        self.aside += moved;
+        self.drawn += n.dot(&moved) + risen * self.turning_share() * self.drift;
+    }
+
+    /// Multiplies its drift.
+    pub fn scale_drift(&mut self, share: f64) {
+        self.drift *= share;
+    }
+
+    /// Sets the drift from where a step begins to here, and begins as long as it is there.
+    ///
+    /// - `start`: there
+    /// - `before`: velocities of bodies there, with their motions here and with those there
+    /// - `back`: displacement of bodies from here to there
+    pub fn begin_at(&mut self, start: &Self, before: [&[Vec6]; 2], back: &[Vec6]) {
+        let ((_, n), (length, n0)) = (self.line(), start.line());
+        // A spring whose points pass each other is drawn along the other way.
+        let n0 = if n.dot(&n0) < 0.0 { -n0 } else { n0 };
+        self.across = start.across;
+        self.drift = n.dot(&self.relative(before[0])) - n0.dot(&start.relative(before[1]));
+        let linear = self.apart.norm() + n.dot(&self.relative(back));
+        self.drawn += self.turning_share() * (length - linear);
+    }
+
+    /// Angle, rad, by which what it pulls turns between two displacements from the place of the
+    /// step. The line of a damper has no sense.
+    pub fn turned(&self, ends: [Vec3; 2]) -> f64 {
+        let direction = |end: Vec3| (self.apart + end).try_normalize(f64::MIN_POSITIVE);
+        let [one, two] = ends.map(|end| direction(end).unwrap_or_default());
+        let angle = (one - two).norm();
+        let damped = if self.damping > 0.0 {
+            angle.min((one + two).norm())
+        } else {
+            0.0
+        };
+        damped.max(self.turning_share() * angle)
+    }
+
+    /// Displacement from the place of the step with which its part begins, m.
+    pub fn aside(&self) -> Vec3 {
+        self.aside
     }
 
     /// Energy that it holds, J.
     pub fn stored(&self) -> f64 {
         let stretch = self.apart.norm() - self.length;
         0.5 * self.stiffness * stretch * stretch
+    }
+}
+
+/// Stiffness of a spring across its line where it is so long, N/m.
+fn across(spring: &TreeSpring, length: f64) -> f64 {
+    let tension = spring.stiffness * (length - spring.length);
+    if tension > 0.0 && length > 0.0 {
+        tension / length
+    } else if length == 0.0 && spring.length == 0.0 {
+        spring.stiffness
+    } else {
+        0.0
     }
 }
 

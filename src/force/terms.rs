@@ -383,7 +383,7 @@ impl Terms {
     /// Makes these the terms of a part of a step: those of `base`, moved on.
     ///
     /// - `way`: spatial displacement of each body; `moved`: of each degree of freedom, rad or m;
-    ///   `risen`: for how long contacts have risen by their drift besides, s
+    ///   `risen`: for how long contacts and springs have moved by their drift besides, s
     /// - `after`: what the terms remember after the part before, and which multiple of the change
     ///   since `base` they begin with
     pub fn begin(
@@ -405,7 +405,7 @@ impl Terms {
         self.springs.clear();
         self.springs.extend_from_slice(&base.springs);
         for spring in &mut self.springs {
-            spring.shift(way);
+            spring.shift(way, risen);
         }
         self.begin_joints(base, |dof| moved[dof]);
         let Some((memory, share)) = after else {
@@ -434,11 +434,14 @@ impl Terms {
         }
     }
 
-    /// Multiplies the drift of all contacts.
+    /// Multiplies the drift of all contacts and springs.
     pub fn scale_drift(&mut self, share: f64) {
         for contact in &mut self.contacts.list {
             contact.drift *= share;
             contact.rise *= share;
+        }
+        for spring in &mut self.springs {
+            spring.scale_drift(share);
         }
     }
 }

@@ -169,8 +169,7 @@ impl Fixed {
         if !solved {
             return None;
         }
-        let turn = fastest_within(tree, [&from.v, &stages.solved[1].v]);
-        if ctx.rules.parts && turn * h > WHIRL {
+        if ctx.rules.parts && stages.turned(tree, from, (1, h)) > WHIRL {
             return Some(Outcome::Bad);
         }
         let books = guards::open_books(ctx, here, from, GAIN * h / whole);

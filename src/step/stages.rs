@@ -60,7 +60,7 @@ use crate::state::{Physical, Trend};
 use crate::step::attempt::mean_acceleration;
 use crate::step::convex::{Newton, Problem, Run};
 use crate::step::point::{Context, Point};
-use crate::step::size::{fastest_within, worst_error};
+use crate::step::size::worst_error;
 use crate::tree::Tree;
 use crate::tuning::{
     BOUNCE_SHARE, CONTACT_STEP, FIXED_ACCURACY, LAG_SHARE, MAX_CARRIES, MISPLACED, VELOCITY_WEIGHT,
@@ -104,6 +104,8 @@ pub(super) struct Stages {
     /// Displacement from there, `nv`, and that of all bodies.
     moved: Vec<f64>,
     way: Vec<Vec6>,
+    /// That of all bodies from there to the start.
+    back: Vec<Vec6>,
     /// Velocity from which a stage begins, and that which is expected at its end.
     from: Vec<f64>,
     guess: Vec<f64>,
@@ -127,7 +129,7 @@ pub(super) struct Stages {
 
 #[cfg(test)]
 crate::spoil::spoil!(
-    Stages: middle terms aside solved trend q v moved way from guess memory start forces error probe loops lag secants iterations;
+    Stages: middle terms aside solved trend q v moved way back from guess memory start forces error probe loops lag secants iterations;
 );
 
 impl Stages {
@@ -146,6 +148,7 @@ impl Stages {
             v: vec![0.0; nv],
             moved: vec![0.0; nv],
             way: vec![[0.0; 6]; tree.bodies.len()],
+            back: vec![[0.0; 6]; tree.bodies.len()],
             from: vec![0.0; nv],
             guess: vec![0.0; nv],
             memory: Memory::new(model),
@@ -196,7 +199,7 @@ impl Stages {
     /// are off by `θ/h` times this, and velocities after the step by `θ` times this.
     fn misplaced(&self, ctx: &Context, from: &Physical, h: f64) -> f64 {
         let (tree, end) = (ctx.tree, &self.solved[1].v);
-        let turned = h * fastest_within(tree, [&from.v, end]);
+        let turned = self.turned(tree, from, (1, h));
         let unexpected = |k: usize| {
             let change = end[k] - from.v[k] - h * self.trend.whole[k];
             (0.0, 0.5 * turned * change)
@@ -214,6 +217,7 @@ impl Stages {
     ) -> bool {
         self.middle.kin.loops.follow(&here.kin.loops);
         self.stand(ctx, from, h);
+        self.begin_springs(ctx.tree, (here, from));
         self.find_drift(ctx, here);
         self.bend();
         let eta = GAMMA * h;
@@ -339,6 +343,21 @@ impl Stages {
                 let climbing = contact.normal_velocity(points, &kin.V);
                 contact.rise = climbing - start.normal_velocity(before, &self.way);
             }
+        }
+    }
+
+    /// Sets the drift of springs from the start to the middle, and their length to that of the
+    /// start.
+    fn begin_springs(&mut self, tree: &Tree, (here, from): (&Point, &Physical)) {
+        let Point { kin, terms, .. } = &mut self.middle;
+        if terms.springs.is_empty() {
+            return;
+        }
+        forward(tree, &kin.S, &from.v, &mut self.way);
+        forward(tree, &kin.S, &self.moved, &mut self.back);
+        let before = [&*self.way, &here.kin.V];
+        for (spring, start) in terms.springs.iter_mut().zip(&here.terms.springs) {
+            spring.begin_at(start, before, &self.back);
         }
     }
 

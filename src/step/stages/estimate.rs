@@ -65,12 +65,13 @@ impl Stages {
             position[i] = ESTIMATE * h * difference([from.v[i], first.v[i], second.v[i]]);
         }
         self.filter(ctx, (1, GAMMA * h), h);
+        let turned = [self.turned(ctx.tree, from, (1, h)), self.lines_turned(1, h)];
         let [first, second] = &self.solved;
         let all = |dof: usize| [from.v[dof], first.v[dof], second.v[dof]];
         let unfiltered = |dof| ESTIMATE * h * difference(all(dof));
         let error = &mut self.error;
         add_yielding(&self.terms[0], from, LEFT, unfiltered, error);
-        add_turning(ctx.tree, [&from.v, &second.v], [h, 0.0], error);
+        add_turning(ctx.tree, [&from.v, &second.v], (turned, [h, 0.0]), error);
         self.worst(ctx, h).max(self.lag())
     }
 
@@ -91,13 +92,17 @@ impl Stages {
             position[i] = 0.5 * eta * (from.v[i] - first.v[i]);
         }
         self.filter(ctx, (0, eta), eta);
+        let turned = [
+            self.turned(ctx.tree, from, (0, eta)),
+            self.lines_turned(0, eta),
+        ];
         let first = &self.solved[0];
         let unfiltered = |dof: usize| 0.5 * eta * (from.v[dof] - first.v[dof]);
         let error = &mut self.error;
         add_yielding(&self.terms[0], from, LEFT_BY_FIRST, unfiltered, error);
         // Its place is the middle of the whole step.
         let ahead = 0.5 / GAMMA - 0.5;
-        add_turning(ctx.tree, [&from.v, &first.v], [eta, ahead], error);
+        add_turning(ctx.tree, [&from.v, &first.v], (turned, [eta, ahead]), error);
         let bounced = VELOCITY_WEIGHT * self.bounced(ctx.tree, from, eta) / ctx.tolerance;
         let placed = self.first_misplaced(ctx, from, eta);
         self.worst(ctx, eta)
@@ -111,7 +116,7 @@ impl Stages {
     /// See [`Self::misplaced`].
     fn first_misplaced(&self, ctx: &Context, from: &Physical, eta: f64) -> f64 {
         let (tree, end) = (ctx.tree, &self.solved[0].v);
-        let turned = eta * fastest_within(tree, [&from.v, end]);
+        let turned = self.turned(tree, from, (0, eta));
         let off = |k: usize| (0.0, turned * (self.v[k] - 0.5 * (from.v[k] + end[k])));
         worst_error(tree, eta, off) / ctx.tolerance
     }
@@ -138,6 +143,23 @@ impl Stages {
             }
         }
         most
+    }
+
+    /// Angle, rad, by which something turns in a step of `h` seconds that has been solved up to the
+    /// stage `last`: a limb, or the line of a spring.
+    pub fn turned(&self, tree: &Tree, from: &Physical, (last, h): (usize, f64)) -> f64 {
+        let limbs = h * fastest_within(tree, [&from.v, &self.solved[last].v]);
+        limbs.max(self.lines_turned(last, h))
+    }
+
+    /// The same of lines of springs alone.
+    fn lines_turned(&self, last: usize, h: f64) -> f64 {
+        let eta = if last == 0 { h } else { GAMMA * h };
+        let begins = self.terms.each_ref().map(|terms| &terms.springs);
+        let velocities = &self.solved[last].at.springs;
+        let lines = begins[0].iter().zip(begins[last]).zip(velocities);
+        let turned = lines.map(|((one, two), u)| one.turned([one.aside(), two.aside() + *u * eta]));
+        turned.fold(0.0, f64::max)
     }
 
     /// Finds the forces at the start of the step of `h` seconds, as the limit of a short step. The
@@ -257,24 +279,24 @@ fn add_yielding(
 /// `a θ² v` of what turns with `v`: its centrifugal force pulls along another way.
 ///
 /// - `from`, `end`: velocities at its ends
+/// - `turned`: `θ` of all, and of what lines of springs turn, which is everything
 /// - `ahead`: `a`
 fn add_turning(
     tree: &Tree,
     [from, end]: [&[f64]; 2],
-    [h, ahead]: [f64; 2],
+    ([theta, of_lines], [h, ahead]): ([f64; 2], [f64; 2]),
     [velocity, position]: &mut [Vec<f64>; 2],
 ) {
-    let theta = h * fastest_within(tree, [from, end]);
     for (_, body) in tree.worked_bodies() {
         for column in 0..body.columns {
             let i = tree.dof[body.column + column];
             let change = (end[i] - from[i]).abs();
-            let turns = !matches!(body.kind.sweep(column), Sweep::Along);
-            let pulled = if turns { theta * end[i].abs() } else { 0.0 };
-            let off = ahead * theta * (change + pulled);
+            let along = matches!(body.kind.sweep(column), Sweep::Along);
+            let turns = if along { of_lines } else { theta };
+            let off = ahead * theta * (change + turns * end[i].abs());
             velocity[i] = velocity[i].abs().max(theta * theta * change / 24.0 + off);
-            if turns {
-                let off = theta * h * change / 12.0 + 0.5 * h * off;
+            if turns > 0.0 {
+                let off = turns * h * change / 12.0 + 0.5 * h * off;
                 position[i] = position[i].abs().max(off);
             }
         }

@@ -44,6 +44,7 @@ mod properties;
 mod regions;
 mod rolling;
 mod servos;
+mod springs;
 mod standing;
 mod sticking;
 mod swings;
