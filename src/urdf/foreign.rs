@@ -32,13 +32,31 @@ pub(super) const TOP_LEVEL: [&str; 11] = [
     "transmission",
 ];
 
+/// What PyBullet and others write into `<contact>`.
+const CONTACT: [&str; 12] = [
+    "collision",
+    "contact_cfm",
+    "contact_erp",
+    "damping",
+    "friction_anchor",
+    "inertia_scaling",
+    "lateral_friction",
+    "ode",
+    "restitution",
+    "rolling_friction",
+    "spinning_friction",
+    "stiffness",
+];
+
 /// PyBullet's `<contact>`.
 pub(super) fn contact(scope: &mut Scope, link: Node) -> Surface {
     let mut surface = Surface::default();
     let Some(contact) = scope.single(link, "contact") else {
         return surface;
     };
-    for child in contact.children() {
+    scope.known_children(contact, &CONTACT, &[]);
+    let known = |child: &Node| CONTACT.contains(&child.name());
+    for child in contact.children().filter(known) {
         let (slot, range) = match child.name() {
             "lateral_friction" => (&mut surface.friction, Range::Friction),
             "rolling_friction" => (&mut surface.rolling_friction, Range::Friction),
@@ -52,6 +70,7 @@ pub(super) fn contact(scope: &mut Scope, link: Node) -> Surface {
                 continue;
             }
         };
+        scope.leaf(child, &["value"]);
         let Some(value) = scope.required_number(child, "value") else {
             continue;
         };

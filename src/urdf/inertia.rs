@@ -22,14 +22,14 @@ pub(super) const NAMES: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
 /// The other half of the matrix, which is symmetric; some exporters write it, too.
 const MIRRORED: [(&str, &str); 3] = [("iyx", "ixy"), ("izx", "ixz"), ("izy", "iyz")];
 
-/// Warns about attributes of `<inertia>` that are not known, and about a second half of the matrix
+/// Warns about what `<inertia>` has that is not known, and about a second half of the matrix
 /// that contradicts the first.
 pub(super) fn known_attributes(scope: &mut Scope, node: Node) {
     let known: Vec<&str> = NAMES
         .into_iter()
         .chain(MIRRORED.map(|pair| pair.0))
         .collect();
-    scope.known_attributes(node, &known);
+    scope.leaf(node, &known);
     for (second, first) in MIRRORED {
         let number = |name: &str| node.value(name)?.trim().parse::<f64>().ok();
         if let (Some(a), Some(b)) = (number(first), number(second))

@@ -57,6 +57,7 @@ pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> Che
     let mimic = mimic(scope, node, kind);
     for unused in ["safety_controller", "calibration"] {
         if let Some(child) = scope.single(node, unused) {
+            scope.known_children(child, &[], &[]);
             scope.ignore(child);
         }
     }
@@ -109,7 +110,7 @@ fn link<'d>(scope: &mut Scope, node: Node<'d>, tag: &'static str) -> Option<Link
         scope.problem("U017", node.tag_at(), &message, help);
         return None;
     };
-    scope.known_attributes(child, &["link"]);
+    scope.leaf(child, &["link"]);
     let Some(attribute) = child.attribute("link") else {
         scope.missing_attribute(child, "link", "write link=\"name of a link\"");
         return None;
@@ -124,8 +125,7 @@ fn axis(scope: &mut Scope, node: Node, kind: JointKind) -> Vec3 {
     let Some(child) = scope.single(node, "axis") else {
         return Vec3::x();
     };
-    scope.known_attributes(child, &["xyz", "rpy"]);
-    scope.leaf(child, "xyz");
+    scope.leaf(child, &["xyz", "rpy"]);
     let Some(attribute) = child.attribute("xyz") else {
         let message = "<axis> has no attribute 'xyz': \"1 0 0\" is used, as without <axis>";
         scope.warning("U015", child.tag_at(), message, "write xyz=\"0 0 1\"");
@@ -171,17 +171,17 @@ fn limit(scope: &mut Scope, node: Node, kind: JointKind) -> Limit {
         }
         return (None, None, None);
     };
-    let rest = ["acceleration", "deceleration", "jerk"];
-    for (name, at) in child.attribute_names() {
-        let known = ["lower", "upper", "effort", "velocity"].contains(&name);
-        if rest.contains(&name) && scope.version >= Version(1, 2) {
-            scope.note("U020", at, &format!("<limit> {name} is not used"), "");
-        } else if !known && !name.contains(':') {
-            let message = format!("<limit> attribute '{name}' is unknown and ignored");
-            let help = did_you_mean(name, ["lower", "upper", "effort", "velocity"]);
-            scope.warning("U019", at, &message, help);
-        }
+    let rest: &[&str] = match scope.version >= Version(1, 2) {
+        true => &["acceleration", "deceleration", "jerk"],
+        false => &[],
+    };
+    for (name, at) in child.attribute_names().filter(|(a, _)| rest.contains(a)) {
+        scope.note("U020", at, &format!("<limit> {name} is not used"), "");
     }
+    scope.leaf(
+        child,
+        &[&["lower", "upper", "effort", "velocity"], rest].concat(),
+    );
     let lower = limit_number(scope, child, "lower");
     let upper = limit_number(scope, child, "upper");
     let effort = limit_size(scope, child, "effort");
@@ -311,8 +311,7 @@ fn dynamics(scope: &mut Scope, node: Node) -> [f64; 3] {
     let Some(child) = scope.single(node, "dynamics") else {
         return [0.0; 3];
     };
-    scope.known_attributes(child, &DYNAMICS);
-    scope.leaf(child, "damping");
+    scope.leaf(child, &DYNAMICS);
     DYNAMICS.map(|name| not_negative(scope, child, name).unwrap_or(0.0))
 }
 
@@ -324,7 +323,7 @@ fn mimic<'d>(scope: &mut Scope, node: Node<'d>, kind: JointKind) -> Option<Check
         scope.used(child);
         child
     };
-    scope.known_attributes(child, &["joint", "multiplier", "offset"]);
+    scope.leaf(child, &["joint", "multiplier", "offset"]);
     let multiplier = scope.number(child, "multiplier");
     let multiplier = multiplier.and_then(|m| scope.within(child, "multiplier", m, Physical::Ratio));
     let offset = scope.number(child, "offset");

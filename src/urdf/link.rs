@@ -139,7 +139,7 @@ fn moments(scope: &mut Scope, i: Node) -> [Option<f64>; 6] {
 
 /// The value of `<mass>`, kg.
 fn mass(scope: &mut Scope, node: Node) -> Option<f64> {
-    scope.known_attributes(node, &["value"]);
+    scope.leaf(node, &["value"]);
     let mass = scope.required_number(node, "value")?;
     // What is negative or 0 is told with the inertia.
     if mass > 0.0 && mass < Physical::Mass.bounds().0 {
@@ -166,7 +166,7 @@ fn without_mass(
 ) -> Option<CheckedInertial> {
     if let Some(own) = density_node {
         scope.used(own);
-        scope.known_attributes(own, &["value"]);
+        scope.leaf(own, &["value"]);
         let density = scope.required_number(own, "value")?;
         let density = scope.within(own, "value", density, Physical::Density)?;
         return Some(CheckedInertial {
@@ -270,7 +270,7 @@ fn shape<'d>(scope: &mut Scope, shape: Node<'d>) -> Option<Geometry<'d>> {
     let name = shape.name();
     match name.rsplit_once(':').map_or(name, |(_, own)| own) {
         "box" => {
-            scope.known_attributes(shape, &["size"]);
+            scope.leaf(shape, &["size"]);
             require_attribute(scope, shape, "size", "size=\"x y z\", in m");
             let size = scope.vector::<3>(shape, "size")?;
             let least = size.iter().copied().fold(f64::INFINITY, f64::min);
@@ -281,12 +281,12 @@ fn shape<'d>(scope: &mut Scope, shape: Node<'d>) -> Option<Geometry<'d>> {
             Some(Geometry::Box { size })
         }
         "sphere" => {
-            scope.known_attributes(shape, &["radius"]);
+            scope.leaf(shape, &["radius"]);
             let radius = length(scope, shape, "radius")?;
             Some(Geometry::Sphere { radius })
         }
         kind @ ("cylinder" | "capsule") => {
-            scope.known_attributes(shape, &["radius", "length"]);
+            scope.leaf(shape, &["radius", "length"]);
             let (radius, length) = (
                 length(scope, shape, "radius"),
                 length(scope, shape, "length"),
@@ -312,7 +312,7 @@ fn shape<'d>(scope: &mut Scope, shape: Node<'d>) -> Option<Geometry<'d>> {
 }
 
 fn mesh<'d>(scope: &mut Scope, shape: Node<'d>) -> Option<Geometry<'d>> {
-    scope.known_attributes(shape, &["filename", "scale"]);
+    scope.leaf(shape, &["filename", "scale"]);
     require_attribute(scope, shape, "filename", "filename=\"…\"");
     let scale = match shape.attribute("scale") {
         Some(_) => scope.vector::<3>(shape, "scale"),

@@ -257,8 +257,7 @@ impl<'r, 'a> Scope<'r, 'a> {
         let Some(origin) = self.single(node, "origin") else {
             return (Vec3::zeros(), Vec3::zeros());
         };
-        self.known_attributes(origin, &["xyz", "rpy", "quat_xyzw"]);
-        self.leaf(origin, "xyz");
+        self.leaf(origin, &["xyz", "rpy", "quat_xyzw"]);
         let xyz = self.vector::<3>(origin, "xyz").unwrap_or_default();
         let mut rpy = Vec3::from(self.vector::<3>(origin, "rpy").unwrap_or_default());
         for (name, vector) in [("xyz", xyz), ("rpy", rpy.into())] {
@@ -328,27 +327,45 @@ impl<'r, 'a> Scope<'r, 'a> {
                 self.ignore(child);
                 continue;
             }
-            let message = format!("<{name}> is unknown here and ignored");
-            // Files of ROS 1 had xacro's tags without a prefix.
-            let help = if XACRO.contains(&name) {
-                format!("as a tag of xacro it is written <xacro:{name}>, in a .xacro file")
-            } else {
-                did_you_mean(name, known.iter().copied())
+            let help = match place_of(name) {
+                // Files of ROS 1 had xacro's tags without a prefix.
+                _ if XACRO.contains(&name) => {
+                    format!("as a tag of xacro it is written <xacro:{name}>, in a .xacro file")
+                }
+                Some(place) => format!("it belongs directly into {place}"),
+                None => did_you_mean(name, known.iter().copied()),
             };
-            self.warning("U019", child.name_at(), &message, help);
+            self.unknown(child, help);
         }
     }
 
-    /// Warns of what stands within an element all of whose numbers are attributes.
-    pub(super) fn leaf(&mut self, node: Node, attribute: &str) {
-        self.known_children(node, &[], &[]);
+    fn unknown(&mut self, child: Node, help: String) {
+        let message = format!("<{}> is unknown here and ignored", child.name());
+        self.warning("U019", child.name_at(), &message, help);
+    }
+
+    /// Warns of all that an element has beside its attributes `known`, which alone hold what is
+    /// read of it; of text that it is the value of the first of them.
+    pub(super) fn leaf(&mut self, node: Node, known: &[&str]) {
+        self.known_attributes(node, known);
+        for child in node.children() {
+            // `<scale>` in `<mesh>`, as SDF has it.
+            let name = child.name();
+            if known.contains(&name) {
+                let help = attribute_help(node, name, child.content().trim());
+                self.unknown(child, help);
+            }
+        }
+        self.known_children(node, known, &[]);
         let content = node.content();
         let content = content.trim();
-        if node.children().next().is_none() && !content.is_empty() {
-            let name = node.name();
-            let shown: String = content.chars().take(40).collect();
-            let message = format!("what stands in <{name}> is ignored: '{shown}'");
-            let help = format!("write <{name} {attribute}=\"{shown}\"/>");
+        if let [first, ..] = known
+            && node.children().next().is_none()
+            && !content.is_empty()
+        {
+            let shown = shown(content);
+            let message = format!("what stands in <{}> is ignored: '{shown}'", node.name());
+            let help = attribute_help(node, first, &shown);
             self.warning("U019", node.content_at(), &message, help);
         }
     }
@@ -382,6 +399,31 @@ impl<'r, 'a> Scope<'r, 'a> {
             self.report.note("U023", at, message, "");
         }
     }
+}
+
+/// Where an element of URDF belongs.
+fn place_of(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "link" | "joint" => "<robot>",
+        "inertial" | "visual" | "collision" => "<link>",
+        "parent" | "child" | "axis" | "limit" | "dynamics" | "mimic" => "<joint>",
+        "origin" => "<inertial>, <visual>, <collision> or <joint>",
+        "mass" | "inertia" => "<inertial>",
+        "geometry" => "<visual> or <collision>",
+        "box" | "cylinder" | "sphere" | "mesh" => "<geometry>",
+        "material" => "<visual>",
+        "color" | "texture" => "<material>",
+        _ => return None,
+    })
+}
+
+fn attribute_help(node: Node, attribute: &str, value: &str) -> String {
+    format!("write <{} {attribute}=\"{}\"/>", node.name(), shown(value))
+}
+
+/// As much of a text as a finding shows.
+fn shown(text: &str) -> String {
+    text.chars().take(40).collect()
 }
 
 /// The value with `$(optenv NAME default)` replaced by the default, and whether there was one. Some

@@ -77,6 +77,12 @@ fn add_material<'d>(
     material: Node<'d>,
     palette: &mut HashMap<Name<'d>, Paint<'d>>,
 ) {
+    scope.known_children(material, &["color", "texture"], &["specular"]);
+    for (part, attribute) in [("color", "rgba"), ("texture", "filename")] {
+        for part in material.children_named(part) {
+            scope.leaf(part, &[attribute]);
+        }
+    }
     let color = material.child("color").and_then(|color| rgba(scope, color));
     let texture = material.child("texture").and_then(|texture| {
         let file = texture.attribute("filename")?;
