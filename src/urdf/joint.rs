@@ -2,7 +2,8 @@
 
 use super::angles;
 use super::checked::{CheckedJoint, CheckedMimic, LinkReference, called};
-use super::scope::{LARGEST, Scope, Version};
+use super::numbers::LARGEST;
+use super::scope::{Scope, Version};
 use super::xml::Node;
 use crate::diagnostic::angles::HELP;
 use crate::diagnostic::words::did_you_mean;

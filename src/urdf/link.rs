@@ -226,6 +226,7 @@ pub(super) fn geometries<'d>(scope: &mut Scope, node: Node<'d>) -> Vec<Geometry<
     let Some(geometry) = required(scope, node, "geometry", "<geometry> with one shape") else {
         return Vec::new();
     };
+    scope.no_text(geometry);
     let mut shapes: Vec<Node> = Vec::new();
     for child in geometry.children() {
         if child.name() == "origin" {

@@ -29,6 +29,7 @@ mod link;
 mod mesh;
 mod missing;
 mod nearby;
+mod numbers;
 mod obj;
 mod objects;
 mod options;

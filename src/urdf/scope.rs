@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::numbers::{MOST_WORDS, Unread, parse, without_optenv};
 use super::options::{ImpossibleInertia, MissingMass};
 use super::xml::{Attribute, Node};
 use crate::diagnostic::angles;
@@ -10,13 +11,8 @@ use crate::diagnostic::{Report, Severity, times};
 use crate::range as physical;
 use crate::spatial::{Mat3, Vec3, rpy_from_rotation};
 use nalgebra::{Quaternion, UnitQuaternion};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::Range;
-
-/// Numbers beyond this are refused: squares and products of smaller ones stay finite. Limits of
-/// 1e16 for "none" are in use.
-pub(super) const LARGEST: f64 = 1e30;
 
 /// Tags that mean something to xacro alone.
 const XACRO: [&str; 7] = [
@@ -312,6 +308,32 @@ impl<'r, 'a> Scope<'r, 'a> {
     /// Warns about children outside `known`; those in `foreign`, and prefixed ones, are only
     /// counted.
     pub(super) fn known_children(&mut self, node: Node, known: &[&str], foreign: &[&str]) {
+        self.no_text(node);
+        self.elements(node, known, foreign);
+    }
+
+    /// Warns of text, of which URDF has none.
+    pub(super) fn no_text(&mut self, node: Node) {
+        let Some((text, at)) = node.first_text() else {
+            return;
+        };
+        let help = if node.is_cdata(at.start) {
+            "what stands in <![CDATA[…]]> is text, and no element: remove the brackets"
+        } else if ["<<<<<<< ", "=======", ">>>>>>> "]
+            .iter()
+            .any(|mark| text.starts_with(mark))
+        {
+            "a conflict of a merge by git was left in the file: keep one side of it"
+        } else {
+            "a comment is written <!-- … -->, and ends at the first -->; all elements outside of it \
+             are read"
+        };
+        let line = shown(text.lines().next().unwrap_or_default().trim_end());
+        let message = format!("text in <{}> is ignored: '{line}'", node.name());
+        self.warning("U019", at.start..at.start + line.len(), &message, help);
+    }
+
+    fn elements(&mut self, node: Node, known: &[&str], foreign: &[&str]) {
         for child in node.children() {
             let name = child.name();
             if known.contains(&name) {
@@ -356,17 +378,21 @@ impl<'r, 'a> Scope<'r, 'a> {
                 self.unknown(child, help);
             }
         }
-        self.known_children(node, known, &[]);
+        self.elements(node, known, &[]);
         let content = node.content();
         let content = content.trim();
+        // A word or a number, not what is left of a comment.
+        let value = content.starts_with(|c: char| c.is_alphanumeric() || "+-.".contains(c));
         if let [first, ..] = known
+            && value
             && node.children().next().is_none()
-            && !content.is_empty()
         {
             let shown = shown(content);
             let message = format!("what stands in <{}> is ignored: '{shown}'", node.name());
             let help = attribute_help(node, first, &shown);
             self.warning("U019", node.content_at(), &message, help);
+        } else {
+            self.no_text(node);
         }
     }
 
@@ -424,110 +450,4 @@ fn attribute_help(node: Node, attribute: &str, value: &str) -> String {
 /// As much of a text as a finding shows.
 fn shown(text: &str) -> String {
     text.chars().take(40).collect()
-}
-
-/// The value with `$(optenv NAME default)` replaced by the default, and whether there was one. Some
-/// published files still contain it; the environment is not read, so that a file means the same
-/// everywhere.
-fn without_optenv(value: &str) -> (Cow<'_, str>, bool) {
-    let parts = || {
-        let (before, rest) = value.split_once("$(optenv")?;
-        let (inner, after) = rest.split_once(')')?;
-        let (_, default) = inner.trim_start().split_once(char::is_whitespace)?;
-        Some(format!("{before}{}{after}", default.trim()))
-    };
-    match parts() {
-        Some(replaced) => (Cow::Owned(replaced), true),
-        None => (Cow::Borrowed(value), false),
-    }
-}
-
-/// Words of an attribute that a finding names.
-const MOST_WORDS: usize = 5;
-
-/// Units as people write them behind a number.
-const UNITS: [&str; 8] = ["mm", "cm", "m", "deg", "rad", "g", "kg", "°"];
-
-/// Why a word is not taken as a number.
-#[derive(Debug, PartialEq)]
-struct Unread {
-    code: &'static str,
-    /// "… is …"
-    what: &'static str,
-    help: &'static str,
-}
-
-/// A finite decimal number.
-fn parse(word: &str) -> Result<f64, Unread> {
-    let unread = |code, what, help| Err(Unread { code, what, help });
-    let no_number = |help| unread("U030", "not a number", help);
-    let digits = word.contains(|c: char| c.is_ascii_digit());
-    // Rust also reads "inf" and "NaN"; URDF does not.
-    match word.parse::<f64>() {
-        Ok(number) if number.abs() > LARGEST && digits => {
-            unread("U032", "beyond 1e30", "check its digits and its unit")
-        }
-        Ok(number) if !number.is_finite() => {
-            let help = "write a number; what has no limit gets a large one, up to 1e30";
-            unread("U032", "not a finite number", help)
-        }
-        Ok(number) => Ok(number),
-        Err(_) if word.contains(',') => {
-            no_number("the decimal sign is a point, and numbers are separated by spaces")
-        }
-        Err(_) if word.contains(';') => no_number("numbers are separated by spaces"),
-        Err(_) if word.to_ascii_lowercase().contains("0x") => no_number("write it in decimal"),
-        Err(_) if word.contains("${") || word.contains("$(") => no_number(
-            "this is xacro code: give the file a name that ends in .xacro, and it is expanded",
-        ),
-        Err(_) if word.to_ascii_lowercase().contains("pi") => no_number(
-            "write its value, such as 1.5708 for pi/2; in a file whose name ends in .xacro, ${pi/2} \
-             is expanded",
-        ),
-        // Of `30 deg` the second word.
-        Err(_) if number_with_letters(word) || UNITS.contains(&word) => {
-            no_number("write the number alone: lengths are in m, angles in rad, masses in kg")
-        }
-        Err(_) => no_number("write a decimal number such as 0.5 or 1e-3"),
-    }
-}
-
-/// Whether letters follow a number, as in `2kg` and `30°`.
-fn number_with_letters(word: &str) -> bool {
-    let number = word.trim_end_matches(|c: char| c.is_alphabetic() || "°%²³/".contains(c));
-    number.len() < word.len() && number.parse::<f64>().is_ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_default_of_optenv_is_taken() {
-        let value = |text| without_optenv(text).0.into_owned();
-        assert_eq!(
-            value("$(optenv IMU_RPY 0 -1.5708 3.1416)"),
-            "0 -1.5708 3.1416"
-        );
-        assert_eq!(value("1 $(optenv Y 2) 3"), "1 2 3");
-        for unchanged in ["1 2 3", "$(optenv Y)", "$(optenv Y 2", "$(find pkg)"] {
-            assert_eq!(without_optenv(unchanged), (Cow::Borrowed(unchanged), false));
-        }
-    }
-
-    #[test]
-    fn numbers_are_plain_decimal() {
-        for (text, value) in [("1", 1.0), ("-.5", -0.5), ("+2.", 2.0), ("1e-3", 1e-3)] {
-            assert_eq!(parse(text), Ok(value), "{text}");
-        }
-        for text in ["", "1,0", "0x10", "1.0f", "one", "--1", "1e", "${r}"] {
-            assert_eq!(parse(text).map_err(|e| e.code), Err("U030"), "{text}");
-        }
-        for text in ["nan", "NaN", "inf", "-INF", "infinity", "1e999", "1e31"] {
-            assert_eq!(parse(text).map_err(|e| e.code), Err("U032"), "{text}");
-        }
-        for (text, fits) in [("2kg", true), ("30°", true), ("0.1m", true), ("kg", false)] {
-            assert_eq!(number_with_letters(text), fits, "{text}");
-        }
-    }
 }

@@ -143,6 +143,23 @@ impl<'d> Node<'d> {
             .unwrap_or_else(|| self.tag_at())
     }
 
+    /// The first part of the element's own text that is not blank, and where it stands.
+    pub(super) fn first_text(self) -> Option<(&'d str, Range<usize>)> {
+        self.element().content.iter().find_map(|part| {
+            let text = &self.document.text[part.clone()];
+            let solid = text.trim_matches(|c: char| c.is_whitespace() || c == '\0');
+            let start = part.start + text.find(solid)?;
+            (!solid.is_empty()).then_some((solid, start..start + solid.len()))
+        })
+    }
+
+    /// Whether what begins here is the text of a `<![CDATA[…]]>`.
+    pub(super) fn is_cdata(self, start: usize) -> bool {
+        self.document.text[..start]
+            .trim_end()
+            .ends_with("<![CDATA[")
+    }
+
     /// Whether two elements without children have the same attributes.
     pub(super) fn same_as(self, other: Self) -> bool {
         let attributes = |node: Self| {

@@ -77,6 +77,8 @@ struct Builder<'t> {
     resume: Option<usize>,
     /// Whether what comes next is another document.
     over: bool,
+    /// Whether two hyphens in a comment were told.
+    hyphens: bool,
 }
 
 /// The first line by which git marks where two versions of a file differ, outside of comments.
@@ -117,6 +119,7 @@ impl<'t> Builder<'t> {
             declared: false,
             resume: None,
             over: false,
+            hyphens: false,
         }
     }
 
@@ -187,9 +190,34 @@ impl<'t> Builder<'t> {
                     );
                     self.declared = true;
                 }
-                Event::Decl(_) | Event::Comment(_) | Event::PI(_) => {}
+                Event::Comment(_) => self.comment(start..end, report),
+                Event::Decl(_) | Event::PI(_) => {}
                 Event::Eof => return self.end(report),
             }
+        }
+    }
+
+    /// Tells of hyphens in a comment, which XML 1.0 forbids (2.5) so that its end is seen: a comment
+    /// within a comment ends both, and what was to be left out behind it is read.
+    fn comment(&mut self, at: Range<usize>, report: &mut Report) {
+        let first = at.start + "<!--".len();
+        let text = &self.text[first..at.end];
+        if let Some(inner) = text.find("<!--") {
+            let line = report.line(at.start);
+            let message = format!("not XML: a comment within the comment of line {line}");
+            let help = "the first --> ends both: remove the inner <!-- and its -->";
+            let inner = first + inner;
+            report.error("U003", inner..inner + "<!--".len(), message, help);
+        } else if let Some(hyphens) = text.find("--").filter(|&i| first + i + 3 < at.end)
+            && !std::mem::replace(&mut self.hyphens, true)
+        {
+            let hyphens = first + hyphens;
+            report.warning(
+                "U008",
+                hyphens..hyphens + 2,
+                "two hyphens within a comment",
+                "write others in their place: strict XML readers refuse the file",
+            );
         }
     }
 
