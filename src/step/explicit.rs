@@ -291,9 +291,11 @@ impl Explicit {
             return false;
         }
         self.integrator.restart();
-        // The short pair takes y⁴/24 of the amplitude of a spring in a step of the angle y.
+        // The short pair takes y⁴/24 of the amplitude of a spring in a step of the angle y, and of
+        // what whirls on it.
         let springs = |term: &JointTerm| matches!(term.drive, Drive::Pd { .. });
-        let pair = if here.terms.joints.iter().any(springs) {
+        let sprung = !here.terms.springs.is_empty() || here.terms.joints.iter().any(springs);
+        let pair = if sprung {
             &DORMAND_PRINCE
         } else {
             &BOGACKI_SHAMPINE

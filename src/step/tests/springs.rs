@@ -56,11 +56,11 @@ fn kept([stiffness, damping]: [f64; 2], (tolerance, step): (f64, f64)) -> f64 {
 }
 
 /// No force from outside: angular momentum stays, and so does energy, because the length does.
-/// With a line that was that of the start of each step, a whirl on a damper kept 0.08 to 0.17 of it
-/// at 1e-3, 0.74 at 1e-4, and 0.70 in fixed steps.
+/// With a line that was that of the start of each stage, a whirl on a damper kept 0.08 to 0.17 of
+/// it at 1e-3, 0.74 at 1e-4, and 0.70 in fixed steps; those of the short explicit pair kept 0.995.
 #[test]
 fn a_damper_takes_nothing_from_what_whirls_on_it() {
-    for damping in [400.0, 2000.0] {
+    for damping in [0.0, 100.0, 400.0, 2000.0] {
         for (tolerance, step, within) in [
             (1e-2, 0.0, 2e-2),
             (1e-3, 0.0, 1e-2),
