@@ -172,9 +172,10 @@ fn limit(scope: &mut Scope, node: Node, kind: JointKind) -> Limit {
         }
         return (None, None, None);
     };
-    let rest: &[&str] = match scope.version >= Version(1, 2) {
-        true => &["acceleration", "deceleration", "jerk"],
-        false => &[],
+    let rest: &[&str] = if scope.version >= Version(1, 2) {
+        &["acceleration", "deceleration", "jerk"]
+    } else {
+        &[]
     };
     for (name, at) in child.attribute_names().filter(|(a, _)| rest.contains(a)) {
         scope.note("U020", at, &format!("<limit> {name} is not used"), "");

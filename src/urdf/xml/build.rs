@@ -197,8 +197,8 @@ impl<'t> Builder<'t> {
         }
     }
 
-    /// Tells of hyphens in a comment, which XML 1.0 forbids (2.5) so that its end is seen: a comment
-    /// within a comment ends both, and what was to be left out behind it is read.
+    /// Tells of hyphens in a comment, which XML 1.0 forbids (2.5) so that its end is seen: a
+    /// comment within a comment ends both, and what was to be left out behind it is read.
     fn comment(&mut self, at: Range<usize>, report: &mut Report) {
         let first = at.start + "<!--".len();
         let text = &self.text[first..at.end];
