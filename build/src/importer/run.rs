@@ -64,7 +64,11 @@ pub fn simulate(
         Some(path) => Some(signals(&description, path, times.allowed())?),
         None => None,
     };
+    let misses = signals
+        .as_ref()
+        .and_then(|s| s.misses(times.start, times.stop));
     let starts = starts(&description, &experiment.start_values)?;
+    let told: Vec<_> = misses.into_iter().map(|text| (1, text)).collect();
     let named = starts.iter().map(|(v, value)| (v.name.clone(), *value));
     let started = named.collect();
     // Local variables are written only where they are asked for.
@@ -97,9 +101,9 @@ pub fn simulate(
         }
         other => other.and_then(|()| Ok(run.slave.terminate()?)).err(),
     };
-    let messages = run.slave.messages().into_iter();
+    let messages = run.slave.messages().into_iter().map(|m| (m.status, m.text));
     Ok(Outcome {
-        messages: messages.map(|m| (m.status, m.text)).collect(),
+        messages: told.into_iter().chain(messages).collect(),
         units: of_each(&description, &run.table.names, |v| v.unit.clone()),
         discrete: of_each(&description, &run.table.names, |v| {
             v.kind != Kind::Real || v.variability == "discrete"

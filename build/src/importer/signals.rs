@@ -6,6 +6,11 @@
 use super::csv::Table;
 use super::variable::{Kind, Variable};
 use urdf2fmu_core::clock;
+use urdf2fmu_core::digits::Digits;
+
+/// Milliseconds in a second. A table in ms that is at least half as long as the run seems so many
+/// times longer.
+const MILLI: f64 = 1000.0;
 
 /// A column of the table and the variable that it is for.
 #[derive(Clone, Debug)]
@@ -56,6 +61,39 @@ impl Signals {
             table,
             events,
             allowed,
+        }
+    }
+
+    /// What to tell of a table whose times miss those of the run, or hold it many times: nearly
+    /// always they are of another clock or in another unit.
+    pub fn misses(&self, start: f64, stop: f64) -> Option<String> {
+        let rows = &self.table.rows;
+        let (first, last) = (rows.first()?[0], rows.last()?[0]);
+        let run = format!("the run from {} s to {} s", Digits(start), Digits(stop));
+        if rows.len() < 2 || self.list.is_empty() {
+            // Values for all times.
+            None
+        } else if first >= stop || last <= start {
+            let (kept, end) = if first >= stop {
+                ("first", format!("begins at {} s, after", Digits(first)))
+            } else {
+                ("last", format!("ends at {} s, before", Digits(last)))
+            };
+            let later = Digits(first + (stop - start));
+            Some(format!(
+                "the table of inputs {end} {run}, so that each input keeps its {kept} value: times \
+                 are in s of the simulation. Subtract {0} from all of them, or simulate with \
+                 --start-time {0} --stop-time {later}",
+                Digits(first)
+            ))
+        } else if last - start >= 0.5 * MILLI * (stop - start) {
+            Some(format!(
+                "the table of inputs ends at {} s, long after {run}: times are in s. If these are in \
+                 ms, divide them by 1000",
+                Digits(last)
+            ))
+        } else {
+            None
         }
     }
 
@@ -218,6 +256,32 @@ mod tests {
     fn a_jump_at_the_start_uses_the_value_after_it() {
         let s = signals("time,u\n0,0\n0,5\n1,5", "continuous");
         assert_eq!(s.value(&s.list[0], 0.0), 5.0);
+    }
+
+    #[test]
+    fn a_table_of_another_clock_or_unit_is_told() {
+        let told = |text: &str, start, stop| signals(text, "continuous").misses(start, stop);
+        let unix = told("time,u\n1700000000,0\n1700000010,1", 0.0, 10.0).expect("told");
+        assert!(
+            unix.contains("begins at 1700000000 s, after the run from 0 s to 10 s"),
+            "{unix}"
+        );
+        assert!(
+            unix.contains("--start-time 1700000000 --stop-time 1700000010"),
+            "{unix}"
+        );
+        let before = told("time,u\n0,0\n4,1", 5.0, 10.0).expect("told");
+        assert!(before.contains("ends at 4 s, before") && before.contains("its last value"));
+        let ms = told("time,u\n0,0\n10,1\n10000,1", 0.0, 10.0).expect("told");
+        assert!(ms.contains("divide them by 1000"), "{ms}");
+        for (text, start, stop) in [
+            // One row holds for all times; a part of a table may be simulated.
+            ("time,u\n1700000000,1", 0.0, 10.0),
+            ("time,u\n0,0\n60,1", 0.0, 1.0),
+            ("time,u\n1700000000,0\n1700000010,1", 1.7e9, 1.7e9 + 10.0),
+        ] {
+            assert_eq!(told(text, start, stop), None, "{text}");
+        }
     }
 
     #[test]
