@@ -118,6 +118,7 @@ pub const CODES: &[Row] = &[
     ("U066", "Joints move nothing that has mass, in a file that is refused for something else at once.", "`--density 1000` where they have collision shapes, `--missing-mass 0.1` for what has none, or `--compat pybullet`, together with what mends the rest."),
     ("U067", "A robot that is lighter than the air in its place: its lengths, or those of its meshes, look like mm.", "`scale=\"0.001 0.001 0.001\"` in `<mesh>`, or `--scale 0.001` for all lengths."),
     ("U068", "What may be wrong, too, or follow from an error.", "Look at the names that it lists while you mend the errors."),
+    ("U069", "An `<origin>` that is more than ten times as far away as all shapes of the robot together are long: it looks like mm or cm.", "Write it in m; `--scale 0.001` if all lengths of the file are in mm."),
     ("U070", "An unknown shape.", "Use one of those that the finding lists."),
     ("U071", "A coefficient of a surface that is out of range.", "Correct it."),
     ("U073", "A colour that is not valid.", "Red, green, blue and alpha are 0 … 1."),

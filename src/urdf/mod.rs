@@ -269,5 +269,6 @@ fn describe(
     if !sizes::compare_with_masses(&mut scope, &robot, &order, &description) {
         inertia::compare_with_shapes(&mut scope, &robot, &order, &description);
     }
+    sizes::compare_origins(&mut scope, &robot, &description, options.scale);
     Some(description)
 }

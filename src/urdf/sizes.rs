@@ -4,9 +4,12 @@
 //! times as large, and so a thousand million times less dense. No robot is lighter than the air
 //! that it displaces.
 
-use super::checked::{CheckedRobot, Geometry, Order};
-use super::description::Description;
+use super::checked::{CheckedRobot, Geometry, Order, called};
+use super::description::{Description, LinkDescription, VisualShape};
 use super::scope::Scope;
+use super::xml::Node;
+use crate::geometry::Shape;
+use std::ops::Range;
 
 /// kg/m³, of air at 15 °C and 1013 hPa. Collision shapes are simplified, but real robots have tens
 /// to thousands of kg in each m³ of them.
@@ -70,6 +73,75 @@ pub(super) fn compare_with_masses(
     true
 }
 
+/// Times the size of all shapes of a robot, one behind the other, beyond which an `<origin>` is told:
+/// half-way, by their ratio, between one that is right and one in cm, which is 100 times too far.
+const FAR: f64 = 10.0;
+
+/// Warns of origins in mm or cm: of places of joints, shapes and centres of mass that are many times
+/// as far away as all links together are long. Robots without shapes have no size to compare with.
+pub(super) fn compare_origins(
+    scope: &mut Scope,
+    robot: &CheckedRobot,
+    description: &Description,
+    scale: f64,
+) {
+    let largest = |link: &LinkDescription| {
+        let collisions = link.collisions.iter().map(|c| &c.shape);
+        let drawn = link
+            .visuals
+            .iter()
+            .filter_map(|visual| match &visual.shape {
+                VisualShape::Solid(shape) => Some(shape),
+                VisualShape::Mesh { .. } => None,
+            });
+        let balls = collisions.chain(drawn).map(Shape::ball_around);
+        let reaches = balls.map(|(center, radius)| center.norm() + radius);
+        2.0 * reaches.fold(0.0, f64::max)
+    };
+    let size: f64 = description.links.iter().map(largest).sum();
+    if size <= 0.0 {
+        return;
+    }
+    let mut found: Vec<(Range<usize>, String)> = Vec::new();
+    let mut compare = |owner: String, node: Node| {
+        let origin = node.child("origin");
+        let Some(xyz) = origin.and_then(|origin| origin.attribute("xyz")) else {
+            return;
+        };
+        let numbers = xyz.value.split_whitespace().map(str::parse::<f64>);
+        let squared: f64 = numbers.flatten().map(|number| number * number).sum();
+        let away = scale * squared.sqrt();
+        if away > FAR * size {
+            let message = format!(
+                "{owner}: the <origin> of <{}> is {away:.0} m away, and all shapes of the robot \
+                 together are {size:.1} m long: it looks like mm or cm",
+                node.name()
+            );
+            found.push((xyz.at.clone(), message));
+        }
+    };
+    for link in &robot.links {
+        for part in link.node.children() {
+            if ["inertial", "visual", "collision"].contains(&part.name()) {
+                compare(called("link", link.name), part);
+            }
+        }
+    }
+    for joint in &robot.joints {
+        compare(joint.called(), joint.node);
+    }
+    if let Some((at, message)) = found.first() {
+        let mut help =
+            "lengths are in m; pass --scale 0.001 if all of the file are in mm".to_owned();
+        if found.len() > 1 {
+            help = format!("{} other origins are as far away\n{help}", found.len() - 1);
+        }
+        scope
+            .report
+            .warning("U069", at.clone(), message.clone(), help);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use crate::diagnostic::Diagnostic;
@@ -119,6 +191,65 @@ mod tests {
                 .iter()
                 .all(|d| d.code != "U067")
         );
+    }
+
+    /// A box of 0.3 m with a link of 0.4 m on it: told from ten times 2 (√(0.15² + 0.1² + 0.05²) +
+    /// √(0.03² + 0.2²)) m = 7.8 m on.
+    #[test]
+    fn origins_in_millimetres_are_told_by_the_size_of_all_shapes() {
+        let told = |mass: f64, shape: f64, joint: f64, scale: f64| {
+            let text = format!(
+                "<robot name='r'><link name='a'><collision><geometry><box size='0.3 0.2 0.1'/>\
+                 </geometry></collision></link><link name='b'><inertial><origin xyz='0 0 {mass}'/>\
+                 <mass value='1'/><inertia ixx='0.01' iyy='0.01' izz='0.001' ixy='0' ixz='0' iyz='0'/>\
+                 </inertial><collision><origin xyz='0 0 {shape}'/><geometry><cylinder radius='0.03' \
+                 length='0.4'/></geometry></collision></link><joint name='j' type='continuous'>\
+                 <origin xyz='0 0 {joint}'/><parent link='a'/><child link='b'/></joint></robot>"
+            );
+            let options = ReadOptions {
+                scale,
+                ..ReadOptions::default()
+            };
+            let robot = read_str(&text, "r.urdf", Path::new("."), &options).expect("legal");
+            let mut told = robot.diagnostics.into_iter().filter(|d| d.code == "U069");
+            told.next().map(|d| (d.message, d.help.unwrap_or_default()))
+        };
+        assert_eq!(told(0.2, 0.2, 0.05, 1.0), None);
+        assert_eq!(told(7.7, 7.7, 7.7, 1.0), None);
+        for (places, what, more) in [
+            (
+                [200.0, 0.2, 0.05],
+                "link 'b': the <origin> of <inertial> is 200 m",
+                0,
+            ),
+            (
+                [0.2, 7.9, 0.05],
+                "link 'b': the <origin> of <collision> is 8 m",
+                0,
+            ),
+            (
+                [0.2, 0.2, 50.0],
+                "joint 'j': the <origin> of <joint> is 50 m",
+                0,
+            ),
+            (
+                [200.0, 200.0, 50.0],
+                "link 'b': the <origin> of <inertial> is 200 m",
+                2,
+            ),
+        ] {
+            let [mass, shape, joint] = places;
+            let (message, help) = told(mass, shape, joint, 1.0).expect(what);
+            assert!(message.starts_with(what), "{message}");
+            assert!(message.contains("together are 0.8 m long"), "{message}");
+            assert_eq!(
+                help.contains(&format!("{more} other origins")),
+                more > 0,
+                "{help}"
+            );
+            // All lengths are scaled alike.
+            assert!(told(mass, shape, joint, 0.001).is_some());
+        }
     }
 
     /// Rolling and spinning friction are lever arms, m.
