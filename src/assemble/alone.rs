@@ -120,7 +120,7 @@ fn assemble(
     initial::height(&mut model, &poses, settings, findings);
     sink::warn(&model, &poses, settings, findings);
     warn_of_gravity(&model.world.gravity, findings);
-    idle::report(&model, settings, findings);
+    idle::report(&model, &robot.shapes, settings, findings);
     actuators::add(&mut model, &poses, &robot.lines, settings, findings);
     actuators::report_velocity_limits(&model, findings);
     wheels::warn(&model, &poses, &polygons, findings);

@@ -5,12 +5,20 @@
 
 use super::findings::Findings;
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::model::{Combination, Joint, JointKind, Link, Model};
+use crate::model::{Arrays, Combination, Joint, JointKind, Link, Model};
 use crate::pattern::Pattern;
-use crate::settings::{Compat, Settings};
+use crate::settings::{Compat, FmiVersion, Settings, WheelFit};
+use crate::urdf::CollisionDescription;
 
 /// Warns of the tables of joints and links that have a key in vain, each at its place.
-pub(super) fn report(model: &Model, settings: &Settings, findings: &mut Findings) {
+///
+/// - `shapes`: of each link
+pub(super) fn report(
+    model: &Model,
+    shapes: &[Vec<CollisionDescription>],
+    settings: &Settings,
+    findings: &mut Findings,
+) {
     if findings.has_errors() {
         // They may be about the very keys that are missing.
         return;
@@ -28,6 +36,30 @@ pub(super) fn report(model: &Model, settings: &Settings, findings: &mut Findings
             findings.warning("A144", entry.joint.place.clone(), message, help);
         }
     }
+    of_ignored_contacts(model, settings, findings);
+    for entry in &settings.links {
+        let rolls = matches!(entry.wheel_fit, Some(WheelFit::Cylinder | WheelFit::Sphere));
+        let mut meant = model.links.iter().zip(shapes);
+        let meshes = meant.any(|(link, shapes)| {
+            entry.link.matches(&link.name) && shapes.iter().any(|shape| shape.mesh.is_some())
+        });
+        if rolls && !meshes {
+            let message = format!(
+                "'wheel_fit' of [link.\"{}\"] changes nothing: no collision shape there is a mesh",
+                entry.link.text
+            );
+            findings.warning("A144", entry.link.place.clone(), message, "leave it out");
+        }
+    }
+    if settings.fmu.arrays == Arrays::All && settings.fmu.fmi == FmiVersion::V2 {
+        let message = "'arrays' of [fmu] changes nothing: FMI 2 has no arrays".to_owned();
+        findings.warning(
+            "A144",
+            None,
+            message,
+            "leave it out, or set fmi = 3, or --fmi 3",
+        );
+    }
     // Where coefficients are multiplied, the other side may keep a link from bouncing.
     let own_counts = model.world.combination == Combination::Mean;
     for entry in settings.links.iter().filter(|_| own_counts) {
@@ -41,6 +73,28 @@ pub(super) fn report(model: &Model, settings: &Settings, findings: &mut Findings
             let help = "leave one of the two out; restitution = 0 keeps the dissipation";
             findings.warning("A144", entry.link.place.clone(), message, help);
         }
+    }
+}
+
+/// Warns of links that are kept from touching each other where none do.
+fn of_ignored_contacts(model: &Model, settings: &Settings, findings: &mut Findings) {
+    for patterns in &settings.ignored_contacts {
+        let meant = |link: &&Link| patterns.iter().any(|pattern| pattern.matches(&link.name));
+        let mut links = model.links.iter().filter(meant);
+        let (why, help) = match (links.next(), links.next()) {
+            _ if !settings.self_collision => (
+                "links of one robot do not touch each other without self_collision".to_owned(),
+                "leave it out, or set self_collision = true in [robot]",
+            ),
+            (Some(only), None) => (
+                format!("'{}' alone is no pair", only.name),
+                "name both links that do not touch each other, or use a glob",
+            ),
+            _ => continue,
+        };
+        let place = patterns.first().and_then(|pattern| pattern.place.clone());
+        let message = format!("[[ignore_contact]] changes nothing: {why}");
+        findings.warning("A144", place, message, help);
     }
 }
 

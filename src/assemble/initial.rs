@@ -5,6 +5,7 @@
 use super::base::Base;
 use super::findings::{Findings, counted, listed};
 use super::robot::{is_scalar, kind_name};
+use crate::diagnostic::angles;
 use crate::dynamics::crba;
 use crate::force::{ContactSet, detect};
 use crate::initial::{in_ground, initial_state};
@@ -113,6 +114,13 @@ pub(super) fn joints(model: &mut Model, settings: &Settings, findings: &mut Find
                 _ => {}
             }
             position = inside;
+        } else if let Some(pattern) = given
+            && joint.kind == JointKind::Continuous
+        {
+            let what = format!("the initial position of joint '{}':", joint.name);
+            if let Some(message) = angles::attitude(&what, &[position]) {
+                findings.warning("S104", pattern.place.clone(), message, angles::HELP);
+            }
         }
         model.initial.joint_positions[j] = position;
         model.initial.joint_velocities[j] = velocities[j].as_ref().map_or(0.0, |(v, _)| *v);

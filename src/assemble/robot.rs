@@ -6,6 +6,7 @@
 use super::findings::{Findings, counted, listed};
 use super::masses::{given_inertia, link_inertia, report_missing_masses, weighed};
 use crate::diagnostic::Place;
+use crate::diagnostic::angles;
 use crate::geometry::Shape;
 use crate::model::{ActuatorMode, Joint, JointKind, Limits, Link};
 use crate::pattern::names_last;
@@ -232,7 +233,15 @@ fn joint_overrides(
                 _ => None,
             }
         };
-        for j in findings.select(&entry.joint, "joint", &names, unsuitable) {
+        let meant = findings.select(&entry.joint, "joint", &names, unsuitable);
+        let turns = |&&j: &&usize| description.joints[j].kind == JointKind::Revolute;
+        if let Some(&j) = meant.iter().find(turns)
+            && let Some((_, message)) = angles::limits([entry.lower, entry.upper])
+        {
+            let message = format!("joint '{}': {message}", names[j]);
+            findings.warning("S104", entry.joint.place.clone(), message, angles::HELP);
+        }
+        for j in meant {
             let joint = &mut merged[j];
             joint.damping = entry.damping.or(joint.damping);
             joint.friction = entry.friction.or(joint.friction);

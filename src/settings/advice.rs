@@ -90,6 +90,24 @@ fn is_ratio(word: &str) -> bool {
     word.contains('/') && number_or_ratio(word).is_some()
 }
 
+/// The message and the advice for a number as a program prints it: `np.float64(1.0)`.
+pub(super) fn called_number(rest: &str) -> Option<(String, String)> {
+    let (name, inner) = rest.lines().next()?.split_once('(')?;
+    let (number, _) = inner.split_once(')')?;
+    let is_name = name.starts_with(|c: char| c.is_alphabetic())
+        && name
+            .chars()
+            .all(|c| c.is_alphanumeric() || "_.".contains(c));
+    let is_number = number.trim().parse::<f64>().is_ok_and(f64::is_finite);
+    (is_name && is_number).then(|| {
+        let message = format!("'{name}({number})' is no value of TOML");
+        (
+            message,
+            format!("write the number alone: {}", number.trim()),
+        )
+    })
+}
+
 /// The message and the advice for text that is no TOML.
 ///
 /// - `found`: the text; `message`: what the parser says of it

@@ -101,7 +101,7 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             Some(Value::Word(word)) if word == "none" => ContactOutputs::Links(Vec::new()),
             _ => ContactOutputs::Auto,
         },
-        contact_points: outputs.flag("contact_points"),
+        contact_points: contact_points(reader, &outputs),
         pairs: outputs
             .tables("pair")
             .iter()
@@ -133,6 +133,20 @@ pub(super) fn fill(reader: &mut Reader, root: &Section, compat: Option<Compat>) 
             .filter_map(|section| sensor::sensor(reader, section))
             .collect(),
     }
+}
+
+/// Whether there are points of contact, which only links with contact outputs have.
+fn contact_points(reader: &mut Reader, outputs: &Section) -> bool {
+    let wanted = outputs.flag("contact_points");
+    if let Some(entry) = outputs.entry("contact_points")
+        && wanted
+        && outputs.word("contacts").as_deref() == Some("none")
+    {
+        let message = "'contact_points' has no meaning with contacts = \"none\"";
+        let help = "leave it out, or name the links in contacts";
+        reader.error("S106", &entry.span.clone(), message, help);
+    }
+    wanted
 }
 
 fn group(reader: &mut Reader, section: &Section) -> Option<GroupSettings> {

@@ -149,7 +149,9 @@ impl<'a> Reader<'a> {
         for error in &errors {
             let span = error.span().unwrap_or(0..0);
             let found = self.text.get(span.clone()).unwrap_or_default();
-            let (message, help) = advice::syntax(found, error.message());
+            let rest = self.text.get(span.start..).unwrap_or_default();
+            let (message, help) = advice::called_number(rest)
+                .unwrap_or_else(|| advice::syntax(found, error.message()));
             self.error("S101", &span, message, help);
         }
         self.section("", table.get_ref(), table.span())

@@ -1,11 +1,10 @@
 //! Checks of `<joint>`: type, axis, limits, dynamics, mimic.
 
-use super::angles;
 use super::checked::{CheckedJoint, CheckedMimic, LinkReference, called};
 use super::numbers::LARGEST;
 use super::scope::{Scope, Version};
 use super::xml::Node;
-use crate::diagnostic::angles::HELP;
+use crate::diagnostic::angles::{self, HELP};
 use crate::diagnostic::words::did_you_mean;
 use crate::digits::Digits;
 use crate::model::JointKind;

@@ -10,7 +10,6 @@
 //! Not here: merging massless links, initial pose, defaults for what the file leaves out. Expanding
 //! xacro is not done here either.
 
-mod angles;
 mod assemble;
 mod checked;
 mod closures;

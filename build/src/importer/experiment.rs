@@ -236,6 +236,26 @@ pub(super) fn starts<'d>(
     Ok(starts)
 }
 
+/// What to tell of start values: gravity that points upwards, as the settings tell it (A143).
+pub(super) fn upwards(starts: &[(&Variable, f64)]) -> Option<String> {
+    let of = |letter: &str| {
+        let name = format!("world.gravity.{letter}");
+        let mut own = starts
+            .iter()
+            .filter(|(v, _)| v.name.replace('_', ".") == name);
+        own.next_back().map(|(_, value)| *value)
+    };
+    let z = of("z")?;
+    let [x, y] = ["x", "y"].map(|letter| of(letter).unwrap_or_default());
+    (z > 0.0 && z * z > x * x + y * y).then(|| {
+        format!(
+            "gravity points upwards: world.gravity.z is {0} m/s², and z is up; what falls has \
+             --start-value world.gravity.z -{0}",
+            Digits(z)
+        )
+    })
+}
+
 /// Parameters and inputs that a name or glob means; the error tells the nearest name.
 fn meant<'d>(description: &'d Description, name: &str) -> Result<Vec<&'d Variable>, String> {
     let pattern = Pattern::from(name);
@@ -304,6 +324,33 @@ mod tests {
             ..Experiment::default()
         };
         Times::new(&Description::parse(&text).expect("legal"), &experiment)
+    }
+
+    #[test]
+    fn gravity_that_is_set_upwards_is_told() {
+        let text = "<fmiModelDescription fmiVersion='2.0' guid='1'><CoSimulation \
+                    modelIdentifier='m'/><ModelVariables>XYZ</ModelVariables></fmiModelDescription>";
+        let variable = |letter: &str| {
+            format!(
+                "<ScalarVariable name='world.gravity.{letter}' valueReference='{}' \
+                 causality='parameter' variability='tunable'><Real start='0'/></ScalarVariable>",
+                letter.as_bytes()[0]
+            )
+        };
+        let all: String = ["x", "y", "z"].map(variable).concat();
+        let description = Description::parse(&text.replace("XYZ", &all)).expect("legal");
+        let told = |given: &[(&str, &str)]| {
+            let pair = |(letter, value): &(&str, &str)| {
+                (format!("world.gravity.{letter}"), (*value).to_owned())
+            };
+            let given: Vec<(String, String)> = given.iter().map(pair).collect();
+            upwards(&starts(&description, &given).expect("legal"))
+        };
+        let message = told(&[("z", "9.81")]).expect("told");
+        assert!(message.ends_with("world.gravity.z -9.81"), "{message}");
+        assert_eq!(told(&[("z", "-9.81")]), None);
+        // Sideways, as on a slope.
+        assert_eq!(told(&[("z", "1"), ("x", "9.8")]), None);
     }
 
     #[test]

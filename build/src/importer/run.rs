@@ -4,7 +4,7 @@ use super::csv::Table;
 use super::description::Description;
 use super::error::{RunError, stopped};
 use super::exchange::{self, Exchange, Inputs};
-use super::experiment::{Experiment, Times, description, signals, starts};
+use super::experiment::{Experiment, Times, description, signals, starts, upwards};
 use super::library::{LibraryError, Slave, Stepped, uri};
 use super::select::selection;
 use super::signals::Signals;
@@ -68,7 +68,8 @@ pub fn simulate(
         .as_ref()
         .and_then(|s| s.misses(times.start, times.stop));
     let starts = starts(&description, &experiment.start_values)?;
-    let told: Vec<_> = misses.into_iter().map(|text| (1, text)).collect();
+    let told = misses.into_iter().chain(upwards(&starts));
+    let told: Vec<_> = told.map(|text| (1, text)).collect();
     let named = starts.iter().map(|(v, value)| (v.name.clone(), *value));
     let started = named.collect();
     // Local variables are written only where they are asked for.

@@ -37,6 +37,22 @@ fn keys_without_the_one_that_they_belong_to_are_warned_of_at_their_place() {
             "[link.\"chassis\"]",
         ),
         ("[contact]\nstribeck_velocity = 0.1", None, "[contact]"),
+        (
+            "[robot]\nself_collision = true\n[[ignore_contact]]\nlinks = [\"chassis\"]",
+            Some(4),
+            "'chassis' alone is no pair",
+        ),
+        (
+            "[[ignore_contact]]\nlinks = [\"*\"]",
+            Some(2),
+            "without self_collision",
+        ),
+        (
+            "[link.chassis]\nwheel_fit = \"cylinder\"",
+            Some(1),
+            "no collision shape there is a mesh",
+        ),
+        ("[fmu]\narrays = \"all\"", None, "FMI 2 has no arrays"),
     ] {
         let found = told(settings);
         let [(severity, place, message)] = &found[..] else {
@@ -55,6 +71,9 @@ fn keys_that_have_an_effect_on_anything_are_not() {
         "[link.\"*\"]\ndissipation = 10\n[link.chassis]\nrestitution = 0.5",
         "[contact]\nstribeck_velocity = 0.1\n[link.chassis]\nstatic_friction = 1",
         "[contact]\nstribeck_velocity = 0.1\n[world.ground]\nstatic_friction = 1",
+        "[robot]\nself_collision = true\n[[ignore_contact]]\nlinks = [\"*\"]",
+        "[link.\"*\"]\nwheel_fit = \"none\"",
+        "[fmu]\narrays = \"all\"\nfmi = 3",
         // As `init` writes it.
         "[contact]\nstribeck_velocity = 0.01",
         // The ground, which is not as bouncy, decides with the link.
@@ -65,6 +84,26 @@ fn keys_that_have_an_effect_on_anything_are_not() {
             "{settings}: {:?}",
             told(settings)
         );
+    }
+}
+
+/// As U035 tells them of a URDF: 90 rad are 14 turns.
+#[test]
+fn limits_and_positions_in_degrees_are_told() {
+    let arm = robot(mass("foot", 1.0))
+        .with("foot", "j", Revolute, at(0.0, 0.0, 1.0), mass("a", 1.0))
+        .with("a", "k", Continuous, at(0.0, 0.0, 1.0), mass("b", 1.0));
+    for (settings, line) in [
+        ("[joint.j]\nlimits = { lower = -90, upper = 90 }", Some(1)),
+        ("[initial]\njoints = { k = 90 }", Some(2)),
+        ("[joint.j]\nlimits = { lower = -1.57, upper = 1.57 }", None),
+        ("[initial]\njoints = { k = 6.2 }", None),
+    ] {
+        let built = assembled(&arm, settings);
+        let found = built.diagnostics.iter().find(|d| d.code == "S104");
+        let place = found.and_then(|d| Some(d.place.as_ref()?.line));
+        assert_eq!(place, line, "{settings}");
+        assert!(found.is_none_or(|d| d.message.contains("looks like degrees")));
     }
 }
 

@@ -106,3 +106,26 @@ fn settings_that_powershell_has_redirected_are_read() {
     std::fs::remove_file(&path).expect("the file");
     assert_eq!(read.expect("legal").base, BaseChoice::Fixed);
 }
+
+#[test]
+fn a_number_as_a_program_prints_it_is_told_with_the_number() {
+    for name in ["np.float64", "int", "numpy.float32", "Decimal"] {
+        let found = finding(&format!("[robot]\nscale = {name}(1.5)"));
+        assert_eq!(found.code, "S101");
+        assert_eq!(found.help.as_deref(), Some("write the number alone: 1.5"));
+        assert!(found.message.contains(&format!("'{name}(1.5)'")), "{name}");
+    }
+}
+
+#[test]
+fn points_of_contacts_that_there_are_none_of_are_refused() {
+    let found = finding("[outputs]\ncontacts = \"none\"\ncontact_points = true");
+    assert_eq!(found.code, "S106");
+    assert_eq!(found.place.as_ref().map(|place| place.line), Some(3));
+    for text in [
+        "[outputs]\ncontacts = \"none\"\ncontact_points = false",
+        "[outputs]\ncontacts = [\"a\"]\ncontact_points = true",
+    ] {
+        assert!(Settings::parse(text, "r.toml").is_ok(), "{text}");
+    }
+}
