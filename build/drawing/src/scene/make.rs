@@ -438,17 +438,22 @@ fn drawn(link: usize, X_LG: &Pose, shape: Shape) -> Drawn {
     }
 }
 
-/// Balls at the links and rods along the joints, for a robot that has no shape at all.
+/// Balls at the base and at the links that move, and rods along the joints, for a robot that has no
+/// shape at all. In a row they just touch: balls within each other take long to draw and hide all.
 fn skeleton(head: &Head) -> Vec<Drawn> {
     let poses = pose::link_poses(head, |_| None);
     let reach = poses.iter().map(|X_WL| (X_WL.p - poses[0].p).norm());
-    let radius = BALL * reach.fold(SMALLEST, f64::max);
+    #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^52 links")]
+    let radius = BALL.min(0.5 / poses.len() as f64) * reach.fold(SMALLEST, f64::max);
     let [red, green, blue] = PLAIN;
     let plain = |link, X_LG: &Pose, shape| Drawn {
         color: [red, green, blue, 1.0],
         ..drawn(link, X_LG, shape)
     };
-    let mut list: Vec<Drawn> = (0..poses.len())
+    let moving = head.joints.iter().filter(|joint| !joint.motions.is_empty());
+    let bases = head.roots.iter().map(|root| root.link);
+    let mut list: Vec<Drawn> = bases
+        .chain(moving.map(|joint| joint.child))
         .map(|link| plain(link, &Pose::IDENTITY, Shape::Sphere(short(radius))))
         .collect();
     for joint in &head.joints {
