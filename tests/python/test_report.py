@@ -111,6 +111,21 @@ def test_values_are_those_of_the_table(browser, made):
             np.testing.assert_allclose(curve, table[name][rows], atol=np.ptp(table[name]) * 2**-20 + 1e-6)
 
 
+def test_no_curve_stands_alone_without_its_name(browser, command, tmp_path):
+    """A plot holds eight curves: nine are five and four, as in the SVG, and each has its name."""
+    links = "".join(
+        f'<link name="l{i}"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+        f'</inertial></link><joint name="lift{i}" type="prismatic"><axis xyz="0 0 1"/><parent link="base"/>'
+        f'<child link="l{i}"/><limit lower="-1" upper="1" effort="100" velocity="1"/></joint>' for i in range(9))
+    (tmp_path / "nine.urdf").write_text(f'<robot name="nine"><link name="base"/>{links}</robot>')
+    run = command("simulate", tmp_path / "nine.urdf", "--stop-time", 0.1, "--report", tmp_path / "r.html")
+    assert run.returncode == 0, run.stderr
+    with open_report(browser, tmp_path / "r.html") as page:
+        plots = page.evaluate("window.page.page.plots.list.map(p => [p.title, p.names.length])")
+        assert [count for title, count in plots if title.startswith("Joint travel")] == [5, 4]
+        assert [count for title, count in plots if title.startswith("Joint force")] == [5, 4]
+
+
 def test_the_notes_begin_with_what_happened_in_the_words_of_the_terminal(browser, made, command, tmp_path):
     fmu, results, _ = made("r2d2")
     done = command("report", results, "--model", fmu, "-o", tmp_path / "r.html")

@@ -18,9 +18,12 @@ export function defaultPlots({ head }, has) {
   const plots = [];
   const add = (title, names) => {
     const known = names.filter((name) => name && has(name));
-    for (let i = 0; i < known.length && plots.length < PLOTS; i += CURVES) {
-      const part = known.slice(i, i + CURVES);
-      const number = known.length > CURVES ? ` (${i / CURVES + 1})` : "";
+    // Evenly, so that none is left over by itself, without its name.
+    const parts = Math.ceil(known.length / CURVES);
+    const size = Math.ceil(known.length / parts);
+    for (let i = 0; i < known.length && plots.length < PLOTS; i += size) {
+      const part = known.slice(i, i + size);
+      const number = parts > 1 ? ` (${i / size + 1})` : "";
       plots.push({ title: title + number, unit: unitOf.get(part[0]) ?? "", names: part });
     }
   };
