@@ -20,6 +20,7 @@ mod identifier;
 mod importer;
 mod info;
 mod init;
+mod kind;
 mod library;
 mod license;
 mod listing;

@@ -1,5 +1,6 @@
 //! Files of the world: the robot's, and those of further robots and objects.
 
+use crate::kind::other_kind;
 use crate::{terrain, xacro};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::assemble::{self, Guest};
@@ -335,6 +336,16 @@ impl Surroundings {
         options: &ReadOptions,
         place: Option<&Place>,
     ) -> Option<Description> {
+        if let Some(kind) = other_kind(path) {
+            self.tell(vec![Diagnostic {
+                severity: Severity::Error,
+                code: "U007",
+                message: format!("'{}' is {kind}", path.display()),
+                help: None,
+                place: place.cloned(),
+            }]);
+            return None;
+        }
         match read(path, &[], options) {
             Ok((description, expanded)) => {
                 self.tell(description.diagnostics.clone());

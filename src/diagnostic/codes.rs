@@ -79,7 +79,7 @@ pub const CODES: &[Row] = &[
     ("U004", "A DOCTYPE or an entity declaration, which are not read.", "Remove it."),
     ("U005", "The file has more elements, attributes or levels than any robot needs.", "Check that it is the right file."),
     ("U006", "The file is written in xacro and cannot be expanded, or an argument is missing.", "The finding shows the call; `--package NAME=DIR` for packages that `$(find NAME)` does not find."),
-    ("U007", "The file is XML, but no URDF.", "Give the URDF; SDF and MJCF must be converted first."),
+    ("U007", "The file is no URDF, but a mesh or XML of another kind.", "Give the URDF; SDF and MJCF must be converted first."),
     ("U008", "What strict XML readers refuse: something before the XML declaration or after the end, two hyphens within a comment.", "Remove it."),
     ("U010", "The robot has no links.", "Give the file of the whole robot; a file of macros alone is none. The finding names the files that call them."),
     ("U011", "Several links are no joint's child, so there is more than one root.", "Join them, or remove what is left over."),

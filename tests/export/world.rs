@@ -143,6 +143,34 @@ fn what_is_wrong_with_an_object_is_told_with_its_file() {
     assert!(run.err.contains("FILE@X,Y,Z"), "{}", run.err);
 }
 
+/// Their bytes are neither text nor XML, which would help nobody.
+#[test]
+fn a_mesh_as_an_object_is_told_as_one() {
+    let folder = files();
+    fs::write(folder.path().join("part.stl"), [0x9a; 84]).unwrap();
+    fs::write(folder.path().join("part.obj"), "v 0 0 0\n").unwrap();
+    let settings = "[[world.object]]\nname = \"o\"\nurdf = \"part.stl\"\n";
+    fs::write(folder.path().join("w.toml"), settings).unwrap();
+    for args in [
+        ["--object", "part.stl@1,0"],
+        ["--object", "part.obj@1,0"],
+        ["-c", "w.toml"],
+    ] {
+        let run = run_in(
+            folder.path(),
+            &[&["check", "cube.urdf"], &args[..]].concat(),
+            &[],
+        );
+        assert_eq!(run.code, 1, "{run:?}");
+        let told = "is a mesh: give the URDF that uses it";
+        assert!(run.err.contains(told), "{run:?}");
+        assert!(
+            !run.err.contains("U002") && !run.err.contains("U003"),
+            "{run:?}"
+        );
+    }
+}
+
 #[test]
 fn init_writes_the_objects_that_it_is_given() {
     let folder = files();
