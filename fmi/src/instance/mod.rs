@@ -21,9 +21,9 @@ use crate::phase::Phase;
 use crate::snapshot::{GuidHash, SavedState};
 use std::sync::Arc;
 pub(crate) use updates::{Callback, Next, Updates};
-use urdf2fmu_core::model::{Model, StateId};
+use urdf2fmu_core::model::{Model, RootId, RootKind, StateId};
 use urdf2fmu_core::range::Range;
-use urdf2fmu_core::simulation::{OutputSlot, Simulation};
+use urdf2fmu_core::simulation::{OutputSlot, ParameterSlot, Simulation};
 use urdf2fmu_core::variables::{Slot, Variable};
 
 /// An instance of the FMU.
@@ -240,14 +240,30 @@ impl Instance {
         if let Some((link, depth)) = self.simulation.deepest_in_ground() {
             let message = format!(
                 "the start is {:.3} mm inside the ground, with link '{link}': contacts will push it \
-                 out, at first with huge forces and accelerations; raise initial.base.position.z or \
-                 set initial.joint.*.position",
-                1e3 * depth
+                 out, at first with huge forces and accelerations; raise {}",
+                1e3 * depth,
+                self.way_up(link)
             );
             self.warn(&message);
         }
         self.event(|| format!("initialised at {} s", self.experiment.start));
         Ok(())
+    }
+
+    /// Parameters that lift a link out of the ground: of the robot or the object that it is of.
+    fn way_up(&self, link: &str) -> String {
+        let mut links = self.model.links.iter();
+        let body = links.find(|own| own.name == link).map(|own| own.body);
+        let root = body.map_or(RootId::ROBOT, |body| self.model.root_of(body));
+        let height = Slot::Parameter(ParameterSlot::InitialBasePosition(root, 2));
+        let mut rows = self.variables.iter();
+        let name = rows.find(|row| row.slot == height);
+        let name = name.map_or("initial.base.position.z", |row| row.name.as_str());
+        if self.model.roots[root.index()].kind == RootKind::Object {
+            name.to_owned()
+        } else {
+            format!("{name} or set initial.joint.*.position")
+        }
     }
 
     pub(crate) fn terminate(&mut self) {

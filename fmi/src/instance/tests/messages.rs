@@ -64,6 +64,21 @@ fn a_start_in_the_ground_is_told_with_its_depth() {
     assert!((depth(-0.65) - 0.95).abs() < 1e-12 && (depth(-1.15) - 1.45).abs() < 1e-12);
 }
 
+/// The model with the rover as an object whose height has another name.
+#[test]
+fn an_object_in_the_ground_is_told_with_its_own_height() {
+    let mut instance = instance();
+    let mut model = (*instance.model).clone();
+    model.roots[0].kind = urdf2fmu_core::model::RootKind::Object;
+    instance.model = std::sync::Arc::new(model);
+    for row in &mut instance.variables {
+        if row.name == "initial.base.position.z" {
+            "initial.object.crate.position.z".clone_into(&mut row.name);
+        }
+    }
+    assert_eq!(instance.way_up("wheel"), "initial.object.crate.position.z");
+}
+
 /// An importer's tolerance for all of its units costs ten times the steps for each decade.
 #[test]
 fn a_tolerance_finer_than_the_contacts_is_raised_and_said_once() {
