@@ -73,12 +73,14 @@ pub(super) fn compare_with_masses(
     true
 }
 
-/// Times the size of all shapes of a robot, one behind the other, beyond which an `<origin>` is told:
-/// half-way, by their ratio, between one that is right and one in cm, which is 100 times too far.
+/// Times the size of all shapes of a robot, one behind the other, beyond which an `<origin>` is
+/// told: half-way, by their ratio, between one that is right and one in cm, which is 100 times too
+/// far.
 const FAR: f64 = 10.0;
 
-/// Warns of origins in mm or cm: of places of joints, shapes and centres of mass that are many times
-/// as far away as all links together are long. Robots without shapes have no size to compare with.
+/// Warns of origins in mm or cm: of places of joints, shapes and centres of mass that are many
+/// times as far away as all links together are long. Robots without shapes have no size to compare
+/// with.
 pub(super) fn compare_origins(
     scope: &mut Scope,
     robot: &CheckedRobot,

@@ -388,16 +388,16 @@ fn rods_that_hang_on_nothing_are_refused() {
 
 /// A chain of links 1 cm apart, with a base and without any shape.
 fn chain(links: usize, kind: &str) -> Vec<Drawn> {
-    let mut text = "<robot name=\"c\"><link name=\"l0\"/>".to_owned();
-    for i in 1..links {
-        text += &format!(
+    let link = |i: usize| {
+        format!(
             "<link name=\"l{i}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" \
              ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link><joint name=\"j{i}\" type=\"{kind}\">\
              <origin xyz=\"0.01 0 0\"/><parent link=\"l{}\"/><child link=\"l{i}\"/></joint>",
             i - 1
-        );
-    }
-    text += "</robot>";
+        )
+    };
+    let others: String = (1..links).map(link).collect();
+    let text = format!("<robot name=\"c\"><link name=\"l0\"/>{others}</robot>");
     let options = urdf2fmu_core::urdf::ReadOptions::default();
     let read = urdf2fmu_core::urdf::read_str(&text, "c.urdf", std::path::Path::new(""), &options);
     let read = read.unwrap();
