@@ -10,7 +10,7 @@ use crate::diagnostic::Diagnostic;
 use crate::digits::Digits;
 use crate::model::{BodyId, Initial, Model, OutputSelection, Root, RootId};
 use crate::settings::Settings;
-use crate::spatial::Vec3;
+use crate::spatial::{Vec3, points_up};
 use crate::urdf::Description;
 
 /// A robot, ready to simulate.
@@ -147,7 +147,7 @@ fn assemble(
 /// Warns of gravity that points up rather than down or sideways: nearly always its sign is
 /// forgotten.
 fn warn_of_gravity(gravity: &Vec3, findings: &mut Findings) {
-    if gravity.z > libm::hypot(gravity.x, gravity.y) {
+    if points_up(gravity) {
         let [x, y, z] = [gravity.x, gravity.y, gravity.z].map(Digits);
         let message = format!("gravity points upwards: it is [{x}, {y}, {z}] m/s², and z is up");
         let help = format!(

@@ -106,10 +106,15 @@ pub struct Local {
 impl Local {
     /// Unit vector out of the ground.
     pub fn normal(&self) -> Vec3 {
-        let [x, y] = self.slope;
-        let up = 1.0 / (1.0 + x * x + y * y).sqrt();
-        Vec3::new(-x * up, -y * up, up)
+        normal(self.slope)
     }
+}
+
+/// Unit vector out of ground that rises by so much along x and y, m/m.
+#[inline]
+pub fn normal([x, y]: [f64; 2]) -> Vec3 {
+    let up = 1.0 / (1.0 + x * x + y * y).sqrt();
+    Vec3::new(-x * up, -y * up, up)
 }
 
 impl TryFrom<Samples> for Field {
@@ -301,12 +306,7 @@ impl Field {
     #[inline]
     pub fn tangent(&self, x: f64, y: f64) -> Option<(f64, Vec3)> {
         let (height, slope) = self.slopes(x, y)?;
-        let local = Local {
-            height,
-            slope,
-            bend: [0.0; 3],
-        };
-        Some((height, local.normal()))
+        Some((height, normal(slope)))
     }
 
     /// The height of the surface over a place, m, and its slopes along x and y.
@@ -338,15 +338,10 @@ impl Field {
         let [nx, _] = self.samples.counts;
         let ([dx, dy], k) = (self.cell(), j * nx + i);
         let [height, sx, sy, _] = self.nodes[k];
-        let local = Local {
-            height,
-            slope: [sx / dx, sy / dy],
-            bend: [0.0; 3],
-        };
         let [x, y] = self.place(i, j);
         (
-            Vec3::new(x, y, local.height),
-            local.normal(),
+            Vec3::new(x, y, height),
+            normal([sx / dx, sy / dy]),
             self.ridges[k],
         )
     }

@@ -11,6 +11,7 @@ use urdf2fmu_core::clock;
 use urdf2fmu_core::diagnostic::angles;
 use urdf2fmu_core::digits::Digits;
 use urdf2fmu_core::pattern::Pattern;
+use urdf2fmu_core::spatial::{Vec3, points_up};
 
 /// Longest table of results, in rows: a longer one is probably a typing error in an interval.
 const MOST_ROWS: f64 = 1e8;
@@ -247,7 +248,7 @@ pub(super) fn upwards(starts: &[(&Variable, f64)]) -> Option<String> {
     };
     let z = of("z")?;
     let [x, y] = ["x", "y"].map(|letter| of(letter).unwrap_or_default());
-    (z > 0.0 && z * z > x * x + y * y).then(|| {
+    points_up(&Vec3::new(x, y, z)).then(|| {
         format!(
             "gravity points upwards: world.gravity.z is {0} m/s², and z is up; what falls has \
              --start-value world.gravity.z -{0}",

@@ -30,7 +30,7 @@ use super::core::Round;
 use super::placed::Placed;
 use super::points::{Rim, Side};
 use super::trace::Trace;
-use crate::geometry::field::{Field, Local, count};
+use crate::geometry::field::{Field, Local, count, normal};
 use crate::spatial::Vec3;
 use crate::tuning::{
     CROWN, HOLLOW_LOOKS, MOST_NEAREST, NEAREST_ON_FIELD, RING_FLAT, RING_LEAN, RING_ROUGH,
@@ -93,17 +93,8 @@ struct Ring<'a> {
     blend: f64,
 }
 
-/// The tangent plane below a place: its normal, and how deep the place is in it; with the surface
-/// continued where other terrain goes on beyond its end.
-pub(super) fn below_or_beyond(field: &Field, x: &Vec3) -> Option<(Vec3, f64)> {
-    field.below(x).or_else(|| {
-        let on = field.goes_on([x.x, x.y]);
-        on.then(|| field.below_or_end(x))?
-    })
-}
-
 /// The surface straight below or above a place: its height, m, and its slopes along x and y; with
-/// its end continued as in [`below_or_beyond`].
+/// the surface continued where other terrain goes on beyond its end.
 fn height_or_beyond(field: &Field, x: &Vec3) -> Option<(f64, [f64; 2])> {
     field.slopes(x.x, x.y).or_else(|| {
         if !field.goes_on([x.x, x.y]) {
@@ -113,6 +104,13 @@ fn height_or_beyond(field: &Field, x: &Vec3) -> Option<(f64, [f64; 2])> {
         let (height, [dx, dy]) = field.slopes(a, b)?;
         Some((height + dx * (x.x - a) + dy * (x.y - b), [dx, dy]))
     })
+}
+
+/// The tangent plane there: its normal, and how deep the place is in it, m.
+pub(super) fn below_or_beyond(field: &Field, x: &Vec3) -> Option<(Vec3, f64)> {
+    let (height, slope) = height_or_beyond(field, x)?;
+    let n = normal(slope);
+    Some((n, (height - x.z) * n.z))
 }
 
 impl Lows {
@@ -142,11 +140,11 @@ impl Lows {
             across: [0, 1].map(|k| shape.R.column(k).into()),
             blend: shape.solid.blend,
         };
-        // What is higher by a blend more has no part in any share.
+        // The least of `over` that matters: where it is below `reach` nothing touches, and a blend
+        // below that it changes no share either.
         let far = -(reach / field.upright() + ring.blend);
-        let mut turns = [Turn::default(); MOST_NEAREST];
-        let number = ring.turns(far, &mut turns);
-        let turns = &mut turns[..number];
+        let mut turns = ring.turns(far);
+        let turns = turns.close();
         let mut lows = Self::default();
         let shares = shares(turns, ring.blend);
         for (turn, part) in turns.iter().zip(shares) {
@@ -228,8 +226,8 @@ impl Ring<'_> {
         Some(Spot { out, x, n, rise })
     }
 
-    /// Which of the parts of the circle, of the angle `step`, are nowhere higher than the ground
-    /// below them by as much as `-far`. Points at even angles follow from two of them:
+    /// On which arcs of the angle `step` the ground may be above the circle by more than `far`, m;
+    /// on the others it certainly is not. Points at even angles follow from two of them:
     /// `p₊ = 2 cos(step) p − p₋`.
     fn near(&self, step: f64, far: f64) -> [bool; LOOKS] {
         let c = &self.center;
@@ -257,17 +255,17 @@ impl Ring<'_> {
         near
     }
 
-    /// The highest turns in their order around the circle; returns how many there are.
+    /// The turns around the circle.
     ///
-    /// - `far`: how far above the circle ground has no part, m
-    fn turns(&self, far: f64, turns: &mut [Turn; MOST_NEAREST]) -> usize {
+    /// - `far`: the least of `over` that matters, m
+    fn turns(&self, far: f64) -> Turns {
         let step = TAU / count(LOOKS);
         // As many looks between two as cells of the ground are beside each other there.
         let [dx, dy] = self.field.cell();
         let cells = 2.0 * self.radius * step / dx.min(dy);
         let parts = (1..LOOKS).find(|n| count(*n) >= cells).unwrap_or(LOOKS);
         let near = self.near(step, far);
-        let mut found = Turns::new(turns);
+        let mut found = Turns::new();
         let mut last = None;
         for (k, near) in near.into_iter().enumerate() {
             if !near {
@@ -294,7 +292,7 @@ impl Ring<'_> {
             }
             last = Some(before);
         }
-        found.finish()
+        found
     }
 
     /// Adds what is highest or lowest between two places.

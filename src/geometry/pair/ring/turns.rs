@@ -15,24 +15,24 @@ pub(super) struct Turn {
     pub(super) least_after: f64,
 }
 
-/// Turns while they are being found.
-pub(super) struct Turns<'a> {
-    list: &'a mut [Turn; MOST_NEAREST],
+/// Turns in their order around a circle.
+pub(super) struct Turns {
+    list: [Turn; MOST_NEAREST],
     number: usize,
     /// What is lowest before the first one: it belongs behind the last.
     before: f64,
 }
 
-impl<'a> Turns<'a> {
-    pub(super) fn new(list: &'a mut [Turn; MOST_NEAREST]) -> Self {
+impl Turns {
+    pub(super) fn new() -> Self {
         Self {
-            list,
+            list: Default::default(),
             number: 0,
             before: f64::INFINITY,
         }
     }
 
-    /// Goes on to the next one.
+    /// Adds the next one; those beyond the room are left out.
     pub(super) fn add(&mut self, turn: Turn) {
         if self.number < MOST_NEAREST {
             self.list[self.number] = turn;
@@ -49,11 +49,10 @@ impl<'a> Turns<'a> {
         *least = least.min(over);
     }
 
-    /// How many there are.
-    pub(super) fn finish(mut self) -> usize {
-        let before = self.before;
-        self.pass(before);
-        self.number
+    /// All of them, once the circle has been gone around.
+    pub(super) fn close(&mut self) -> &[Turn] {
+        self.pass(self.before);
+        &self.list[..self.number]
     }
 }
 
