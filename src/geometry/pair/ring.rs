@@ -194,9 +194,9 @@ impl Ring<'_> {
     /// and is looked at straight from above.
     fn under(&self, x: &Vec3) -> Option<(Vec3, f64)> {
         let (mut n, mut depth) = below_or_beyond(self.field, x)?;
-        // Each look multiplies what is left by the depth over the radius of the hill. What the next
-        // one would leave follows from the last two; no normal turns by more than about one.
-        let mut before = 1.0;
+        // Each look multiplies what is left by the depth over the radius of the hill. By how much
+        // the next one would turn the normal follows from the last two.
+        let mut before = 0.0;
         for _ in 0..NEAREST_ON_FIELD {
             let least = -(2.0 * self.blend + depth).max(0.0);
             let along = depth.clamp(least, self.blend);
@@ -210,7 +210,7 @@ impl Ring<'_> {
             depth = next.dot(&(foot - x)) + left;
             let turned = (next - n).amax();
             n = next;
-            if turned * turned <= ROUND_OFF * before {
+            if turned * turned <= ROUND_OFF * turned.max(before) {
                 break;
             }
             before = turned;
