@@ -602,8 +602,8 @@ pub const LIGHT: f64 = 4.0;
 /// `what_begins_deep_in_others_is_not_thrown_out_whatever_its_restitution`.
 pub const STEEPEST: f64 = 10.0;
 /// Depth, in penetrations, up to which a contact stiffens: that of a load which is a million times
-/// the weight. Beyond, forces would exceed what the digits of a solve can balance. At 0.1 fails
-/// `nothing_passes_through_a_thin_plate`.
+/// the weight. Beyond, it goes on with its tangent: steeper slopes would exceed what the digits of
+/// a solve can balance. At 0.1 fails `nothing_passes_through_a_thin_plate`.
 pub const STIFFEST: f64 = 30.0;
 
 /// Least dissipation number: what loses nothing is damped by it all the same, so that the speed it

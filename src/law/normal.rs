@@ -68,12 +68,12 @@ impl HuntCrossley {
 }
 
 /// A spring that stiffens with its depth `δ`: `N = K δ (1 + (δ/δ₁)³)`, up to [`STIFFEST`] times
-/// `δ₁`, from where its slope is `K` again.
+/// `δ₁`, from where its slope stays.
 ///
 /// Its stiffness is made for the weight of one tree of bodies. Under a load that is a million times
 /// as large a linear spring would let one body pass through the other; this one gives way by some
-/// thirty `δ₁`. What is deeper has been put there by an initial pose, and more stiffness would only
-/// be hard to solve.
+/// thirty `δ₁`, and by 75 `δ₁` under ten million times its weight. More stiffness beyond would
+/// only be hard to solve.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stiffening {
     /// Stiffness `K` at small depths, N/m.
@@ -120,15 +120,14 @@ impl Stiffening {
     pub fn force(&self, depth: f64) -> f64 {
         let (depth, rest) = self.parts(depth);
         let excess = self.excess(depth);
-        self.stiffness * (depth * (1.0 + excess) + rest)
+        self.stiffness * (depth * (1.0 + excess) + rest * (1.0 + 4.0 * excess))
     }
 
     /// Derivative of the force with the depth, N/m; `K` where the depth is negative.
     #[inline]
     pub fn slope(&self, depth: f64) -> f64 {
-        let (depth, rest) = self.parts(depth);
-        let excess = if rest > 0.0 { 0.0 } else { self.excess(depth) };
-        self.stiffness * (1.0 + 4.0 * excess)
+        let (depth, _) = self.parts(depth);
+        self.stiffness * (1.0 + 4.0 * self.excess(depth))
     }
 
     /// Force at a depth, in weights that the spring is made for.
@@ -143,7 +142,7 @@ impl Stiffening {
         let (depth, rest) = self.parts(depth);
         let excess = self.excess(depth);
         let soft = depth * depth * (0.5 + 0.2 * excess);
-        let stiff = rest * (depth * (1.0 + excess) + 0.5 * rest);
+        let stiff = rest * (depth * (1.0 + excess) + 0.5 * rest * (1.0 + 4.0 * excess));
         self.stiffness * (soft + stiff)
     }
 }

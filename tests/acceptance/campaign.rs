@@ -178,11 +178,11 @@ fn touching(s: &Simulation, kin: &Kinematics) -> ContactSet {
     list
 }
 
-/// Depth of a contact, relative to `δ₁`, from which its spring is linear again.
+/// Depth of a contact, relative to `δ₁`, from which its spring is its tangent.
 const STIFFEST: f64 = 30.0;
 
 /// What springs hold in a state, J: `K (½ δ² + δ⁵/5δ₁³)` of the normal springs of contacts with the
-/// fourth-power norm `δ` of their points' depths, linear beyond [`STIFFEST`], ½ k x² of joint
+/// fourth-power norm `δ` of their points' depths, with its tangent beyond [`STIFFEST`], ½ k x² of joint
 /// limits, and ½ k |ς|² of what friction has stored: of contacts, against turning, dry friction,
 /// velocity motors.
 pub fn stored(s: &Simulation) -> [f64; 2] {
@@ -197,7 +197,8 @@ pub fn stored(s: &Simulation) -> [f64; 2] {
         let stiffening = depth.min(STIFFEST * spring.reference);
         let (excess, rest) = ((stiffening / spring.reference).powi(3), depth - stiffening);
         springs += spring.stiffness * stiffening * stiffening * (0.5 + 0.2 * excess);
-        springs += spring.stiffness * rest * (stiffening * (1.0 + excess) + 0.5 * rest);
+        let slope = 1.0 + 4.0 * excess;
+        springs += spring.stiffness * rest * (stiffening * (1.0 + excess) + 0.5 * rest * slope);
         let element = &contact.friction;
         friction += 0.5 * element.stiffness * element.displacement.norm_squared();
     }
