@@ -182,9 +182,9 @@ fn touching(s: &Simulation, kin: &Kinematics) -> ContactSet {
 const STIFFEST: f64 = 30.0;
 
 /// What springs hold in a state, J: `K (½ δ² + δ⁵/5δ₁³)` of the normal springs of contacts with the
-/// fourth-power norm `δ` of their points' depths, with its tangent beyond [`STIFFEST`], ½ k x² of joint
-/// limits, and ½ k |ς|² of what friction has stored: of contacts, against turning, dry friction,
-/// velocity motors.
+/// fourth-power norm `δ` of their points' depths, with its tangent beyond [`STIFFEST`], ½ k x² of
+/// joint limits, and ½ k |ς|² of what friction has stored: of contacts, against turning, dry
+/// friction, velocity motors.
 pub fn stored(s: &Simulation) -> [f64; 2] {
     let (tree, state) = (s.tree(), s.state());
     let (mut springs, mut friction) = (0.0, 0.0);
