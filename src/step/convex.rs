@@ -28,8 +28,9 @@ use crate::closure::Rows;
 use crate::force::{ContactSet, Growth, Response, Responses, Solved, Terms, Velocities};
 use crate::kinematics::{Kinematics, forward};
 use crate::spatial::{Vec6, add6, dot6};
-use crate::tree::{Span, Tree};
+use crate::tree::Tree;
 use crate::tuning::{COARSEST, ITERATED, MAX_ITERATIONS};
+use balance::RoundOff;
 
 pub use factor::Factor;
 
@@ -47,12 +48,8 @@ pub struct Outcome {
 pub struct Run {
     /// Newton iterations.
     pub iterations: usize,
-    /// Squared scale of the impulse of the bias.
-    bias_scale: Option<f64>,
-    /// Squared scale of the velocities' round-off.
-    round_off: Option<f64>,
-    /// What contact impulses of 1 N·s add to it.
-    impulse_round_off: Option<f64>,
+    /// Whether the round-off of each tree's momenta has been measured.
+    rounded: bool,
 }
 
 /// The minimiser and its scratch.
@@ -85,6 +82,9 @@ pub struct Newton {
     lagging: Vec<f64>,
     /// What the forces of loops leave of the gradient.
     left: Vec<f64>,
+    /// Squared scale of the impulses of joints and of contacts along each degree of freedom.
+    pushed: Vec<[f64; 2]>,
+    round_off: Vec<RoundOff>,
     /// Impulses of friction whose cones grow along every degree of freedom, N·m·s, and what they
     /// change of the direction.
     pull: Vec<f64>,
@@ -96,7 +96,7 @@ pub struct Newton {
 #[cfg(test)]
 crate::spoil::spoil!(
     Newton: v at responses change gradient direction direction_momentum factor factored V
-    along F G loaded is_loaded forces left lagging pull turned growth;
+    along F G loaded is_loaded forces left pushed round_off lagging pull turned growth;
 );
 
 /// What a solve is about.
@@ -166,6 +166,8 @@ impl Newton {
             is_loaded: vec![false; nb],
             forces: Vec::with_capacity(Rows::most(tree)),
             left: vec![0.0; nv],
+            pushed: vec![[0.0; 2]; nv],
+            round_off: vec![RoundOff::default(); tree.trees.len()],
             pull: vec![0.0; nv],
             turned: vec![0.0; nv],
             lagging: Vec::with_capacity(Rows::most(tree)),
@@ -277,36 +279,15 @@ impl Newton {
     ///
     /// - `factor`: does for that of the Hessian, if there is one
     pub fn aim(&mut self, p: &Problem, run: &mut Run, factor: Option<&Factor>) -> Option<Outcome> {
-        let Problem { tree, kin, h, .. } = *p;
-        let D2 = &kin.inverse_diagonal;
-        // Impulses set the scale: else free fall would stop accelerating in small steps.
-        let bias_scale = *run
-            .bias_scale
-            .get_or_insert_with(|| h * h * scaled_square(tree, p.bias, D2));
-        let impulse_scale = self.collect(p);
+        let Problem { tree, kin, .. } = *p;
+        self.collect(p);
         let closed = !kin.loops.is_empty();
         let first = run.iterations == 0;
-        let [norm, loop_scale] = if closed && !first {
-            self.closed_norm(p)
-        } else {
-            [scaled_square(tree, &self.gradient, D2), 0.0]
-        };
-        let scale = bias_scale.max(impulse_scale).max(loop_scale);
-        let accuracy = if run.iterations == 0 {
-            p.accuracy
-        } else {
-            p.iterated
-        };
-        // An infinite scale would call anything converged.
-        let finite = norm.is_finite() && scale.is_finite();
-        let good = norm <= accuracy * accuracy * scale || {
-            let velocities = *run.round_off.get_or_insert_with(|| self.round_off(p));
-            let of_impulse = *run
-                .impulse_round_off
-                .get_or_insert_with(|| Self::impulse_round_off(p));
-            let floor = velocities + of_impulse * self.impulses(p);
-            norm <= floor && floor.is_finite()
-        };
+        if closed && !first {
+            self.leave(p);
+        }
+        let accuracy = if first { p.accuracy } else { p.iterated };
+        let [finite, good] = self.balance(p, run, accuracy, closed && !first);
         // Of a guess, the forces of loops are not known.
         let converged = finite && good && !(closed && first);
         if converged || run.iterations >= MAX_ITERATIONS || !finite {
@@ -397,20 +378,20 @@ impl Newton {
         }
     }
 
-    /// Gradient from the responses; returns the squared scale of the impulses.
-    pub fn collect(&mut self, p: &Problem) -> f64 {
+    /// Gradient from the responses, and the squared scale of the impulses.
+    pub fn collect(&mut self, p: &Problem) {
         let Problem { tree, kin, .. } = *p;
         let D2 = &kin.inverse_diagonal;
         for ((g, change), bias) in self.gradient.iter_mut().zip(&self.change).zip(p.bias) {
             *g = change + p.h * bias;
         }
-        let mut scale = 0.0;
+        self.pushed.fill([0.0; 2]);
         for (term, r) in p.terms.joints.iter().zip(&self.responses.joints) {
             self.gradient[term.dof] -= r.impulse;
-            scale += D2[term.dof] * r.effort * r.effort;
+            self.pushed[term.dof][0] += D2[term.dof] * r.effort * r.effort;
         }
         if p.terms.is_free() {
-            return scale;
+            return;
         }
         self.clear_forces(p.tree);
         for (contact, response) in p.terms.contacts.iter().zip(&self.responses.contacts) {
@@ -424,13 +405,11 @@ impl Newton {
         for (spring, impulse) in p.terms.springs.iter().zip(&self.responses.springs) {
             spring.act(impulse, &mut self.F);
         }
-        let mut contact_scale = 0.0;
-        let gradient = &mut self.gradient;
+        let (gradient, pushed) = (&mut self.gradient, &mut self.pushed);
         project((tree, kin), &self.loaded, &mut self.F, |dof, projected| {
             gradient[dof] -= projected;
-            contact_scale += D2[dof] * projected * projected;
+            pushed[dof][1] += D2[dof] * projected * projected;
         });
-        scale.max(contact_scale)
     }
 
     /// Clears the forces on all bodies that have any.
@@ -468,19 +447,9 @@ fn project(
     }
 }
 
-/// `Σ D² x²` over the degrees of freedom that a step works on.
-#[inline]
-fn scaled_square(tree: &Tree, x: &[f64], D2: &[f64]) -> f64 {
-    let of_span = |span: &Span| {
-        let places = span.dofs.clone();
-        scaled_square_of(&x[places.clone()], &D2[places])
-    };
-    tree.island.spans.iter().map(of_span).sum()
-}
-
 /// `Σ D² x²`; two running sums, so that two lanes suffice.
 #[inline]
-fn scaled_square_of(x: &[f64], D2: &[f64]) -> f64 {
+fn scaled_square(x: &[f64], D2: &[f64]) -> f64 {
     let (pairs, scales) = (x.chunks_exact(2), D2.chunks_exact(2));
     let last = match (pairs.remainder(), scales.remainder()) {
         ([x], [d]) => d * x * x,

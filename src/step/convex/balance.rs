@@ -3,73 +3,184 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::{Factor, Newton, Problem, scaled_square};
+use super::{Factor, Newton, Problem, Run, scaled_square};
 use crate::force::{Responses, Terms};
 use crate::sparsity::inverse::Inverse;
 use crate::spatial::Vec6;
-use crate::tree::Tree;
+use crate::tree::{Extent, Tree};
 use crate::tuning::ROUND_OFF;
 
+/// What is left of the balance of impulses, and what it is measured by; squares, in the scale of
+/// degrees of freedom.
+#[derive(Clone, Copy, Default)]
+struct Balance {
+    left: f64,
+    bias: f64,
+    joints: f64,
+    contacts: f64,
+    loops: f64,
+}
+
+impl Balance {
+    /// Impulses set the scale, and not momenta: else free fall would stop accelerating in small
+    /// steps.
+    fn scale(&self) -> f64 {
+        let pushes = self.joints.max(self.contacts);
+        self.bias.max(pushes).max(self.loops)
+    }
+
+    /// An infinite scale would call anything balanced.
+    fn is_finite(&self) -> bool {
+        self.left.is_finite() && self.scale().is_finite()
+    }
+
+    fn holds(&self, accuracy: f64) -> bool {
+        self.left <= accuracy * accuracy * self.scale()
+    }
+}
+
+/// Round-off in the balance of one tree.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RoundOff {
+    /// Of its momenta, squared.
+    momenta: f64,
+    /// Of contact impulses of 1 N·s that cancel along every joint, squared.
+    per_impulse: f64,
+    /// Impulses of its contacts, (N·s)².
+    impulses: f64,
+}
+
+#[cfg(test)]
+crate::spoil::spoil!(RoundOff: momenta per_impulse impulses;);
+
 impl Newton {
-    /// Whether a robot that stands still stays: all impulses balance at `v = 0`.
+    /// Whether all numbers are finite, and whether the impulses on each tree balance, to the
+    /// round-off of what they come from.
+    ///
+    /// Each tree by itself: what is left of the balance of a house is more than the weight of a
+    /// coin that lies on it.
+    ///
+    /// - `loops`: whether [`Self::leave`] has found what loops leave of the gradient
+    pub(super) fn balance(
+        &mut self,
+        p: &Problem,
+        run: &mut Run,
+        accuracy: f64,
+        loops: bool,
+    ) -> [bool; 2] {
+        let (mut finite, mut good, mut measured) = (true, true, false);
+        for (index, extent) in p.tree.moved() {
+            let balance = self.balance_of(p, extent, loops);
+            finite &= balance.is_finite();
+            if good && !balance.holds(accuracy) {
+                if !measured {
+                    self.measure(p, run);
+                    measured = true;
+                }
+                let off = &self.round_off[index];
+                let floor = off.momenta + off.per_impulse * off.impulses;
+                good = balance.left <= floor && floor.is_finite();
+            }
+        }
+        [finite, good]
+    }
+
+    /// The balance of one tree.
+    fn balance_of(&self, p: &Problem, extent: &Extent, loops: bool) -> Balance {
+        let places = extent.dofs.clone();
+        let D2 = &p.kin.inverse_diagonal[places.clone()];
+        let gradient = &self.gradient[places.clone()];
+        let mut balance = Balance {
+            bias: p.h * p.h * scaled_square(&p.bias[places.clone()], D2),
+            ..Balance::default()
+        };
+        for [joint, contact] in &self.pushed[places.clone()] {
+            balance.joints += joint;
+            balance.contacts += contact;
+        }
+        if loops {
+            let left = &self.left[places];
+            let held = gradient.iter().zip(left).zip(D2);
+            balance.loops = held.map(|((g, left), d)| d * (g - left) * (g - left)).sum();
+            balance.left = scaled_square(left, D2);
+        } else {
+            balance.left = scaled_square(gradient, D2);
+        }
+        balance
+    }
+
+    /// Measures the round-off of each tree, of its velocities once in a run.
+    fn measure(&mut self, p: &Problem, run: &mut Run) {
+        let Problem { tree, kin, h, .. } = *p;
+        for (index, extent) in tree.moved() {
+            let off = &mut self.round_off[index];
+            off.impulses = 0.0;
+            if run.rounded {
+                continue;
+            }
+            let (mut energy, mut lightest) = (0.0, 0.0_f64);
+            for k in extent.dofs.clone() {
+                let scale = kin.inverse_diagonal[k];
+                if scale > 0.0 {
+                    energy += kin.M[tree.sparsity.diagonal(k)] * self.v[k] * self.v[k];
+                }
+                lightest = lightest.max(scale);
+            }
+            let lever = 1.0 + extent.reach;
+            off.momenta = ROUND_OFF * ROUND_OFF * energy;
+            off.per_impulse = ROUND_OFF * ROUND_OFF * lightest * lever * lever;
+        }
+        run.rounded = true;
+        let Responses {
+            contacts, turns, ..
+        } = &self.responses;
+        let of_contacts = p.terms.contacts.iter().zip(contacts).map(|(contact, r)| {
+            let friction = h * h * r.friction.force.norm_squared();
+            let other = contact.other.as_ref().map(|other| other.body);
+            (contact.body, other, r.load * r.load + friction)
+        });
+        let of_turns = p.terms.turns.iter().zip(turns);
+        let of_turns = of_turns.map(|(t, r)| (t.body, t.other, r.impulse.norm_squared()));
+        for (body, other, impulse) in of_contacts.chain(of_turns) {
+            let tree_of = |body: usize| tree.bodies[body].tree;
+            let (own, other) = (tree_of(body), other.map(tree_of));
+            for index in std::iter::once(own).chain(other.filter(|other| *other != own)) {
+                self.round_off[index].impulses += impulse;
+            }
+        }
+    }
+
+    /// Whether what stands still stays: the impulses on all trees together balance at `v = 0`. Those
+    /// on each do not where the spring of a house lies under a coin: its force is that of a depth of
+    /// less than the digits of places.
     pub fn is_balanced(&mut self, p: &Problem) -> bool {
         self.v.fill(0.0);
         self.change.fill(0.0);
         self.V.fill([0.0; 6]);
         self.at.set(p.terms, &self.V);
         self.respond(p);
-        let impulse_scale = self.collect(p);
-        let D2 = &p.kin.inverse_diagonal;
-        let [norm, loop_scale] = if p.kin.loops.is_empty() {
-            [scaled_square(p.tree, &self.gradient, D2), 0.0]
-        } else {
+        self.collect(p);
+        let closed = !p.kin.loops.is_empty();
+        if closed {
             self.balance_loops(p);
-            self.closed_norm(p)
-        };
-        let scale = impulse_scale.max(p.h * p.h * scaled_square(p.tree, p.bias, D2));
-        let scale = scale.max(loop_scale);
-        scale.is_finite() && norm <= p.accuracy * p.accuracy * scale
-    }
-
-    /// Squared scale of what velocities' round-off does to momenta, at the velocity that stands in
-    /// `v`.
-    pub(super) fn round_off(&self, p: &Problem) -> f64 {
-        let pattern = &p.tree.sparsity;
-        let energy = |k: usize| {
-            if p.kin.inverse_diagonal[k] == 0.0 {
-                return 0.0;
-            }
-            p.kin.M[pattern.diagonal(k)] * self.v[k] * self.v[k]
-        };
-        let sum: f64 = p.tree.worked_dofs().map(energy).sum();
-        ROUND_OFF * ROUND_OFF * sum
-    }
-
-    /// Squared impulses of all contacts, (N·s)².
-    pub(super) fn impulses(&self, p: &Problem) -> f64 {
-        let Responses {
-            contacts, turns, ..
-        } = &self.responses;
-        let contacts = contacts.iter().map(|r| {
-            let friction = p.h * p.h * r.friction.force.norm_squared();
-            r.load * r.load + friction
-        });
-        let sum: f64 = turns.iter().map(|r| r.impulse.norm_squared()).sum();
-        contacts.sum::<f64>() + sum
-    }
-
-    /// Squared scales of what the forces of loops leave of the gradient, and of these forces, in
-    /// the scale of degrees of freedom.
-    pub(super) fn closed_norm(&mut self, p: &Problem) -> [f64; 2] {
-        let Problem { tree, kin, .. } = *p;
-        self.left.copy_from_slice(&self.gradient);
-        kin.loops.subtract(tree, &self.forces, &mut self.left);
-        let D2 = &kin.inverse_diagonal;
-        let norm = scaled_square(tree, &self.left, D2);
-        for (left, gradient) in self.left.iter_mut().zip(&self.gradient) {
-            *left = gradient - *left;
+            self.leave(p);
         }
-        [norm, scaled_square(tree, &self.left, D2)]
+        let mut all = Balance::default();
+        for (_, extent) in p.tree.moved() {
+            let one = self.balance_of(p, extent, closed);
+            all.left += one.left;
+            all.bias += one.bias;
+            all.joints += one.joints;
+            all.contacts += one.contacts;
+            all.loops += one.loops;
+        }
+        all.is_finite() && all.holds(p.accuracy)
+    }
+
+    /// Finds what the forces of loops leave of the gradient.
+    pub(super) fn leave(&mut self, p: &Problem) {
+        self.left.copy_from_slice(&self.gradient);
+        p.kin.loops.subtract(p.tree, &self.forces, &mut self.left);
     }
 
     /// Finds the forces of loops that leave the least of the gradient, in the scale of degrees of
@@ -129,15 +240,5 @@ impl Newton {
         let factored = self.factored;
         self.stand(p);
         self.factored = factored;
-    }
-
-    /// Squared scale of the round-off that contact impulses of 1 N·s leave where they cancel along
-    /// every joint.
-    pub(super) fn impulse_round_off(p: &Problem) -> f64 {
-        let D2 = &p.kin.inverse_diagonal;
-        let dofs = p.tree.worked_dofs();
-        let lightest = dofs.fold(0.0, |m: f64, k| m.max(D2[k]));
-        let lever = 1.0 + p.tree.reach();
-        ROUND_OFF * ROUND_OFF * lightest * lever * lever
     }
 }

@@ -41,6 +41,7 @@ mod moving_ground;
 mod order;
 mod pairs;
 mod properties;
+mod ratios;
 mod regions;
 mod rolling;
 mod servos;
