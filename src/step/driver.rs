@@ -260,7 +260,7 @@ impl Stepper {
         [mut h, accuracy]: [f64; 2],
     ) -> Result<(), Stop> {
         let remaining = way.remaining();
-        let mut before = None;
+        way.before = None;
         loop {
             self.begin_try(ctx)?;
             let (from, trend) = (&state.physical, &state.stepping.trend);
@@ -306,7 +306,7 @@ impl Stepper {
                     continue;
                 }
             }
-            let mut factor = implicit_factor([h, error], before.replace([h, error]));
+            let mut factor = implicit_factor([h, error], way.before);
             let mut next = grown(way.proposed, h, factor);
             if let Some(found) = first {
                 by = By::FirstStage;
@@ -320,6 +320,7 @@ impl Stepper {
                 factor,
                 ease: next,
                 next,
+                smooth: false,
             };
             match way.judge(ctx, &mut state.stepping, &tried) {
                 Verdict::Accept => {}

@@ -63,10 +63,10 @@ pub(super) fn plan(
     }
     here.complete(ctx, &state.physical);
     let v = &state.physical.v;
-    let long = proposed.min(MAX_STEP).min(swing(here, v));
-    let long = long.min(spring_swing(ctx, here));
+    let swing = swing(here, v).min(spring_swing(ctx, here));
+    let long = proposed.min(MAX_STEP).min(swing);
     // What swings faster than the shortest step that is worth while is taken implicitly.
-    if long < state.stepping.sizes.floor[ctx.tree.island.lead] {
+    if swing < state.stepping.sizes.floor[ctx.tree.island.lead] {
         return None;
     }
     if ctx.rules.look_ahead && !state.stepping.ahead.has_changed(ctx.tree) {

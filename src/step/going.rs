@@ -34,6 +34,7 @@ impl Stepper {
             factor,
             ease: next,
             next,
+            smooth: false,
         };
         match way.judge(ctx, &mut state.stepping, &tried) {
             Verdict::Accept => {}
@@ -66,8 +67,8 @@ impl Stepper {
         let factor = factor.clamp(GROWTH.0, GROWTH.1);
         way.standing = Standing::Current;
         let floor = state.stepping.sizes.floor[ctx.tree.island.lead];
-        if error > 1.0 && h <= floor.max(MIN_STEP) {
-            // What is taken although it errs must be stable.
+        if error > 1.0 && h <= floor.max(MIN_STEP) && !way.falls(h, error) {
+            // It is not its length that it errs by. What is taken although it errs must be stable.
             return self.go_implicitly(ctx, state, way);
         }
         let tried = Tried {
@@ -76,6 +77,7 @@ impl Stepper {
             factor,
             ease: h * factor,
             next: explicit::next_proposal(ctx, way.proposed, plan, factor),
+            smooth: true,
         };
         match way.judge(ctx, &mut state.stepping, &tried) {
             Verdict::Accept => {}

@@ -32,6 +32,8 @@ pub(super) struct Way {
     pub proposed: f64,
     /// What need not be computed anew.
     pub standing: Standing,
+    /// Length, s, and error of the last try from here, if there was one.
+    pub before: Option<[f64; 2]>,
 }
 
 /// A step that has been tried.
@@ -47,6 +49,8 @@ pub(super) struct Tried {
     pub ease: f64,
     /// What is proposed after it, if it is accepted, s.
     pub next: f64,
+    /// Whether its error falls with its length: then a shorter one is tried, however short.
+    pub smooth: bool,
 }
 
 /// What becomes of a try.
@@ -69,6 +73,7 @@ impl Way {
             done: 0.0,
             proposed,
             standing: Standing::Nowhere,
+            before: None,
         }
     }
 
@@ -91,20 +96,30 @@ impl Way {
         self.done = self.end - self.begin;
     }
 
+    /// Whether the error of a try of `h` seconds has fallen with its length since the try before it
+    /// from the same place, if there was one. At the shortest step, one without an error has not.
+    pub fn falls(&self, h: f64, error: f64) -> bool {
+        let falls = |[longer, worse]: [f64; 2]| error * longer <= worse * h;
+        (error.is_finite() || h > MIN_STEP) && self.before.is_none_or(falls)
+    }
+
     /// Decides on a try and proposes what comes next; enters it in the counters.
     pub fn judge(&mut self, ctx: &Context, stepping: &mut Stepping, tried: &Tried) -> Verdict {
         let &Tried { h, error, .. } = tried;
         let ease = (error <= 1.0).then_some(tried.ease);
         let floor = patience(ctx, &mut stepping.sizes, [h, self.remaining()], ease);
+        let floor = if tried.smooth { 0.0 } else { floor };
         let finite = error.is_finite();
         if error <= 1.0 || (h <= floor && finite) {
             stepping.counters.forced += u64::from(error > 1.0);
             self.proposed = tried.next.max(floor);
             stepping.counters.steps += 1;
             stepping.sizes.proposed[ctx.tree.island.lead] = self.proposed;
+            self.before = None;
             Verdict::Accept
         } else if finite || h > MIN_STEP {
             stepping.counters.rejected += 1;
+            self.before = Some([h, error]);
             self.proposed = (h * tried.factor).max(if finite { floor } else { MIN_STEP });
             Verdict::Retry
         } else {

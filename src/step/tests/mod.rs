@@ -51,6 +51,7 @@ mod sticking;
 mod swings;
 mod terrain;
 mod turning;
+mod whips;
 mod worlds;
 
 const G: f64 = 9.81;
