@@ -27,12 +27,14 @@ pub(super) struct Closing {
     /// Sum of the changes of positions.
     moved: Vec<f64>,
     q: Vec<f64>,
+    /// Kinetic energy that the last projection of velocities has taken, J.
+    pub taken: f64,
     /// The loop that has stayed open in this try of a step, the widest of them.
     pub apart: Option<usize>,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Closing: closed factor forces change moved q; apart);
+crate::spoil::spoil!(Closing: closed factor forces change moved q; taken apart);
 
 impl Closing {
     /// Room for a robot.
@@ -44,6 +46,7 @@ impl Closing {
             change: vec![0.0; tree.sparsity.len()],
             moved: vec![0.0; tree.sparsity.len()],
             q: vec![0.0; model.nq],
+            taken: 0.0,
             apart: None,
         }
     }
@@ -109,6 +112,7 @@ impl Closing {
     fn stop(&mut self, tree: &Tree, kin: &Kinematics, end: &mut Physical) -> f64 {
         let rows = &kin.loops;
         let mut most: f64 = 0.0;
+        self.taken = 0.0;
         for _ in 0..STOPPED {
             let v = &mut end.v;
             self.forces.clear();
@@ -122,6 +126,9 @@ impl Closing {
                 break;
             }
             self.closed.solve(&mut self.forces);
+            for (row, force) in self.forces.iter().enumerate() {
+                self.taken -= 0.5 * force * rows.along(tree, row, v);
+            }
             tree.clear_velocities(&mut self.change);
             self.closed.push(&self.forces, &mut self.change);
             for k in tree.worked_dofs() {

@@ -43,7 +43,29 @@ pub(super) fn open_books(ctx: &Context, here: &Point, from: &Physical, share: f6
             + terms.springs()
             + limits(tree, here, &from.q),
         mended: (MENDED_GAIN / share).min(1.0),
-        allowed: share * (moving + tree.moving_mass() * REFERENCE_GRAVITY * tree.reach()),
+        allowed: share * (moving + fall(tree)),
+    }
+}
+
+/// Weight times reach, J.
+fn fall(tree: &Tree) -> f64 {
+    tree.moving_mass() * REFERENCE_GRAVITY * tree.reach()
+}
+
+/// Whether the energy, J, that a step to `end` has taken is more than a share of kinetic energy and
+/// of weight times reach.
+///
+/// - `kin`: has the poses there; its velocities are overwritten
+pub(super) fn takes(
+    ctx: &Context,
+    kin: &mut Kinematics,
+    end: &Physical,
+    [taken, share]: [f64; 2],
+) -> bool {
+    let fall = fall(ctx.tree);
+    ctx.rules.energy && taken > share * fall && {
+        kin.update_velocities(ctx.tree, &end.v);
+        taken > share * (kinetic(ctx.tree, kin, &end.v) + fall)
     }
 }
 
