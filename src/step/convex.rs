@@ -30,7 +30,6 @@ use crate::kinematics::{Kinematics, forward};
 use crate::spatial::{Vec6, add6, dot6};
 use crate::tree::Tree;
 use crate::tuning::{COARSEST, ITERATED, MAX_ITERATIONS};
-use balance::RoundOff;
 
 pub use factor::Factor;
 
@@ -51,6 +50,20 @@ pub struct Run {
     /// Whether the round-off of each tree's momenta has been measured.
     rounded: bool,
 }
+
+/// Round-off in the balance of one tree.
+#[derive(Clone, Copy, Debug, Default)]
+struct RoundOff {
+    /// Of its momenta, squared.
+    momenta: f64,
+    /// Of contact impulses of 1 N·s that cancel along every joint, squared.
+    per_impulse: f64,
+    /// Impulses of its contacts, (N·s)².
+    impulses: f64,
+}
+
+#[cfg(test)]
+crate::spoil::spoil!(RoundOff: momenta per_impulse impulses;);
 
 /// The minimiser and its scratch.
 #[derive(Clone, Debug)]

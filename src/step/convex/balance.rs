@@ -39,20 +39,6 @@ impl Balance {
     }
 }
 
-/// Round-off in the balance of one tree.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct RoundOff {
-    /// Of its momenta, squared.
-    momenta: f64,
-    /// Of contact impulses of 1 N·s that cancel along every joint, squared.
-    per_impulse: f64,
-    /// Impulses of its contacts, (N·s)².
-    impulses: f64,
-}
-
-#[cfg(test)]
-crate::spoil::spoil!(RoundOff: momenta per_impulse impulses;);
-
 impl Newton {
     /// Whether all numbers are finite, and whether the impulses on each tree balance, to the
     /// round-off of what they come from.
@@ -150,9 +136,9 @@ impl Newton {
         }
     }
 
-    /// Whether what stands still stays: the impulses on all trees together balance at `v = 0`. Those
-    /// on each do not where the spring of a house lies under a coin: its force is that of a depth of
-    /// less than the digits of places.
+    /// Whether what stands still stays: the impulses on all trees together balance at `v = 0`.
+    /// Those on each do not where a coin lies on the spring of a house, by less than the digits of
+    /// a place.
     pub fn is_balanced(&mut self, p: &Problem) -> bool {
         self.v.fill(0.0);
         self.change.fill(0.0);
