@@ -61,7 +61,7 @@
 //! | A140 | loops and springs |
 //! | A141 | the initial pose that closes the loops |
 //! | A142 | what Model Exchange has no equations for |
-//! | A143 | gravity that points upwards |
+//! | A143 | gravity that points upwards or along -y, or is not in m/s² |
 //! | A144 | settings that change nothing |
 //! | A145 | contacts so soft that a robot sinks into the ground |
 

@@ -8,9 +8,9 @@ use super::{
 };
 use crate::diagnostic::Diagnostic;
 use crate::digits::Digits;
-use crate::model::{BodyId, Initial, Model, OutputSelection, Root, RootId};
+use crate::model::{BodyId, Initial, Model, OutputSelection, Root, RootId, World};
 use crate::settings::Settings;
-use crate::spatial::{Vec3, points_up};
+use crate::spatial::points_up;
 use crate::urdf::Description;
 
 /// A robot, ready to simulate.
@@ -119,7 +119,7 @@ fn assemble(
     let poses = inertia::complete(&mut model, poses, shapes, lines, settings, findings);
     initial::height(&mut model, &poses, settings, findings);
     sink::warn(&model, &poses, settings, findings);
-    warn_of_gravity(&model.world.gravity, findings);
+    warn_of_gravity(&model.world, findings);
     idle::report(&model, &robot.shapes, settings, findings);
     actuators::add(&mut model, &poses, &robot.lines, settings, findings);
     actuators::report_velocity_limits(&model, findings);
@@ -144,16 +144,49 @@ fn assemble(
     Some(model)
 }
 
-/// Warns of gravity that points up rather than down or sideways: nearly always its sign is
-/// forgotten.
-fn warn_of_gravity(gravity: &Vec3, findings: &mut Findings) {
-    if points_up(gravity) {
-        let [x, y, z] = [gravity.x, gravity.y, gravity.z].map(Digits);
-        let message = format!("gravity points upwards: it is [{x}, {y}, {z}] m/s², and z is up");
-        let help = format!(
-            "write gravity = [{x}, {y}, -{z}] in [world]; what hangs from a ceiling is turned by \
-             [initial] rpy = [3.14159265, 0, 0] instead"
-        );
-        findings.warning("A143", None, message, &help);
-    }
+/// The earth's gravity, m/s², and by how much that of other places and of other digits differs, as
+/// a share.
+const EARTH: (f64, f64) = (9.81, 0.01);
+
+/// Warns of gravity that points up rather than down, nearly always because its sign is forgotten;
+/// or straight along -y on a ground, as in programs where y is up; and of the earth's in mm/s² or
+/// cm/s².
+fn warn_of_gravity(world: &World, findings: &mut Findings) {
+    let g = &world.gravity;
+    let [x, y, z] = [g.x, g.y, g.z].map(Digits);
+    let fallen = g.x == 0.0 && g.y < 0.0 && g.z == 0.0;
+    let unit = [("mm", 1000.0), ("cm", 100.0)].into_iter();
+    let mut unit = unit.filter(|(_, factor)| {
+        let share = g.norm() / (factor * EARTH.0);
+        (share - 1.0).abs() < EARTH.1
+    });
+    let (message, help) = if points_up(g) {
+        (
+            format!("gravity points upwards: it is [{x}, {y}, {z}] m/s², and z is up"),
+            format!(
+                "write gravity = [{x}, {y}, -{z}] in [world]; what hangs from a ceiling is turned \
+                 by [initial] rpy = [3.14159265, 0, 0] instead"
+            ),
+        )
+    } else if fallen && world.ground.is_some() {
+        (
+            format!("gravity points along -y: it is [{x}, {y}, {z}] m/s², and z is up"),
+            format!(
+                "write gravity = [0, 0, -{}] in [world]; without a ground, [world.ground] \
+                 type = \"none\", it may point anywhere",
+                Digits(g.norm())
+            ),
+        )
+    } else if let Some((unit, _)) = unit.next() {
+        (
+            format!(
+                "gravity of {} m/s² is the earth's in {unit}/s²",
+                Digits(g.norm())
+            ),
+            "write gravity = [0, 0, -9.81] in [world]".to_owned(),
+        )
+    } else {
+        return;
+    };
+    findings.warning("A143", None, message, &help);
 }

@@ -234,12 +234,19 @@ fn joint_overrides(
             }
         };
         let meant = findings.select(&entry.joint, "joint", &names, unsuitable);
-        let turns = |&&j: &&usize| description.joints[j].kind == JointKind::Revolute;
+        let turns = |&&j: &&usize| {
+            let kind = description.joints[j].kind;
+            matches!(kind, JointKind::Revolute | JointKind::Continuous)
+        };
         if let Some(&j) = meant.iter().find(turns)
-            && let Some((_, message)) = angles::limits([entry.lower, entry.upper])
+            && let Some(told) = angles::limits([entry.lower, entry.upper])
         {
-            let message = format!("joint '{}': {message}", names[j]);
-            findings.warning("S104", entry.joint.place.clone(), message, angles::HELP);
+            let message = format!("joint '{}': {}", names[j], told.message);
+            if told.certain {
+                findings.warning("S104", entry.joint.place.clone(), message, angles::HELP);
+            } else {
+                findings.note("S104", message, angles::HELP);
+            }
         }
         for j in meant {
             let joint = &mut merged[j];

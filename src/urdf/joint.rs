@@ -199,10 +199,15 @@ fn limit(scope: &mut Scope, node: Node, kind: JointKind) -> Limit {
         return (None, effort, velocity);
     }
     if kind == JointKind::Revolute
-        && let Some((name, message)) = angles::limits([lower, upper])
-        && let Some(attribute) = child.attribute(name)
+        && let Some(told) = angles::limits([lower, upper])
+        && let Some(attribute) = child.attribute(told.name)
     {
-        scope.warning("U035", attribute.at.clone(), &message, HELP);
+        let at = attribute.at.clone();
+        if told.certain {
+            scope.warning("U035", at, &told.message, HELP);
+        } else {
+            scope.note("U035", at, &told.message, HELP);
+        }
     }
     (range(scope, child, lower, upper), effort, velocity)
 }

@@ -73,75 +73,104 @@ pub(super) fn compare_with_masses(
     true
 }
 
-/// Times the size of all shapes of a robot, one behind the other, beyond which an `<origin>` is
-/// told: half-way, by their ratio, between one that is right and one in cm, which is 100 times too
-/// far.
+/// Times the size of a robot beyond which an `<origin>` is told: half-way, by their ratio, between
+/// one that is right and one in cm, which is 100 times too far.
 const FAR: f64 = 10.0;
 
 /// Warns of origins in mm or cm: of places of joints, shapes and centres of mass that are many
-/// times as far away as all links together are long. Robots without shapes have no size to compare
-/// with.
+/// times as far away as the robot is large. How large it is, is at most the length of all its
+/// links, one behind the other; and of a robot with many links, at most as much as its largest
+/// link, or the middle one of its origins if that is more. Robots without shapes have no size to
+/// compare with.
 pub(super) fn compare_origins(
     scope: &mut Scope,
     robot: &CheckedRobot,
     description: &Description,
     scale: f64,
 ) {
-    let largest = |link: &LinkDescription| {
-        let collisions = link.collisions.iter().map(|c| &c.shape);
-        let drawn = link
-            .visuals
-            .iter()
-            .filter_map(|visual| match &visual.shape {
-                VisualShape::Solid(shape) => Some(shape),
-                VisualShape::Mesh { .. } => None,
-            });
-        let balls = collisions.chain(drawn).map(Shape::ball_around);
-        let reaches = balls.map(|(center, radius)| center.norm() + radius);
-        2.0 * reaches.fold(0.0, f64::max)
-    };
-    let size: f64 = description.links.iter().map(largest).sum();
-    if size <= 0.0 {
+    let sizes: Vec<f64> = description.links.iter().map(largest).collect();
+    let (length, link) = sizes.iter().fold((0.0, 0.0_f64), |(sum, most), size| {
+        (sum + size, most.max(*size))
+    });
+    if length <= 0.0 {
         return;
     }
-    let mut found: Vec<(Range<usize>, String)> = Vec::new();
-    let mut compare = |owner: String, node: Node| {
-        let origin = node.child("origin");
-        let Some(xyz) = origin.and_then(|origin| origin.attribute("xyz")) else {
-            return;
-        };
-        let numbers = xyz.value.split_whitespace().map(str::parse::<f64>);
-        let squared: f64 = numbers.flatten().map(|number| number * number).sum();
-        let away = scale * squared.sqrt();
-        if away > FAR * size {
-            let message = format!(
-                "{owner}: the <origin> of <{}> is {away:.0} m away, and all shapes of the robot \
-                 together are {size:.1} m long: it looks like mm or cm",
-                node.name()
-            );
-            found.push((xyz.at.clone(), message));
-        }
-    };
-    for link in &robot.links {
-        for part in link.node.children() {
-            if ["inertial", "visual", "collision"].contains(&part.name()) {
-                compare(called("link", link.name), part);
-            }
-        }
-    }
-    for joint in &robot.joints {
-        compare(joint.called(), joint.node);
-    }
-    if let Some((at, message)) = found.first() {
+    let origins = origins(robot, scale);
+    let mut ways: Vec<f64> = origins.iter().map(|origin| origin.away).collect();
+    ways.retain(|away| *away > 0.0);
+    ways.sort_unstable_by(f64::total_cmp);
+    let middle = ways.get(ways.len() / 2).copied().unwrap_or(0.0);
+    let size = length.min(link.max(middle));
+    let mut found = origins.iter().filter(|origin| origin.away > FAR * size);
+    if let Some(first) = found.next() {
+        let message = format!(
+            "{}: the <origin> of <{}> is {:.0} m away, in a robot some {size:.1} m large: \
+             it looks like mm or cm",
+            first.owner, first.element, first.away
+        );
         let mut help =
             "lengths are in m; pass --scale 0.001 if all of the file are in mm".to_owned();
-        if found.len() > 1 {
-            help = format!("{} other origins are as far away\n{help}", found.len() - 1);
+        let more = found.count();
+        if more > 0 {
+            help = format!("{more} other origins are as far away\n{help}");
         }
         scope
             .report
-            .warning("U069", at.clone(), message.clone(), help);
+            .warning("U069", first.at.clone(), message, help);
     }
+}
+
+/// The largest extent of a link's shapes from its frame, twice, m; 0 without shapes. Meshes that
+/// are only drawn are not read here.
+fn largest(link: &LinkDescription) -> f64 {
+    let collisions = link.collisions.iter().map(|c| &c.shape);
+    let drawn = link
+        .visuals
+        .iter()
+        .filter_map(|visual| match &visual.shape {
+            VisualShape::Solid(shape) => Some(shape),
+            VisualShape::Mesh { .. } => None,
+        });
+    let balls = collisions.chain(drawn).map(Shape::ball_around);
+    let reaches = balls.map(|(center, radius)| center.norm() + radius);
+    2.0 * reaches.fold(0.0, f64::max)
+}
+
+/// An `<origin>` of a file.
+struct Origin<'a> {
+    /// What the element belongs to, as messages call it.
+    owner: String,
+    /// The element that it stands in.
+    element: &'a str,
+    /// Place of its `xyz` in the file.
+    at: Range<usize>,
+    /// How far away it is, m.
+    away: f64,
+}
+
+/// All origins of links' parts and of joints.
+fn origins<'a>(robot: &CheckedRobot<'a>, scale: f64) -> Vec<Origin<'a>> {
+    let read = |owner: String, node: Node<'a>| {
+        let xyz = node.child("origin")?.attribute("xyz")?;
+        let numbers = xyz.value.split_whitespace().map(str::parse::<f64>);
+        let squared: f64 = numbers.flatten().map(|number| number * number).sum();
+        Some(Origin {
+            owner,
+            element: node.name(),
+            at: xyz.at.clone(),
+            away: scale * squared.sqrt(),
+        })
+    };
+    let parts = robot.links.iter().flat_map(|link| {
+        let parts = link.node.children();
+        let placed =
+            parts.filter(|part| ["inertial", "visual", "collision"].contains(&part.name()));
+        placed.filter_map(|part| read(called("link", link.name), part))
+    });
+    let joints = robot.joints.iter();
+    parts
+        .chain(joints.filter_map(|joint| read(joint.called(), joint.node)))
+        .collect()
 }
 
 #[cfg(test)]
@@ -195,8 +224,8 @@ mod tests {
         );
     }
 
-    /// A box of 0.3 m with a link of 0.4 m on it: told from ten times 2 (√(0.15² + 0.1² + 0.05²) +
-    /// √(0.03² + 0.2²)) m = 7.8 m on.
+    /// A box of 0.3 m with a link of 0.4 m on it, whose larger one is 2 √(0.03² + 0.2²) m: told
+    /// from ten times as many, 4.04 m, on.
     #[test]
     fn origins_in_millimetres_are_told_by_the_size_of_all_shapes() {
         let told = |mass: f64, shape: f64, joint: f64, scale: f64| {
@@ -217,7 +246,7 @@ mod tests {
             told.next().map(|d| (d.message, d.help.unwrap_or_default()))
         };
         assert_eq!(told(0.2, 0.2, 0.05, 1.0), None);
-        assert_eq!(told(7.7, 7.7, 7.7, 1.0), None);
+        assert_eq!(told(4.0, 0.2, 4.0, 1.0), None);
         for (places, what, more) in [
             (
                 [200.0, 0.2, 0.05],
@@ -225,8 +254,8 @@ mod tests {
                 0,
             ),
             (
-                [0.2, 7.9, 0.05],
-                "link 'b': the <origin> of <collision> is 8 m",
+                [4.1, 0.2, 0.05],
+                "link 'b': the <origin> of <inertial> is 4 m",
                 0,
             ),
             (
@@ -243,7 +272,8 @@ mod tests {
             let [mass, shape, joint] = places;
             let (message, help) = told(mass, shape, joint, 1.0).expect(what);
             assert!(message.starts_with(what), "{message}");
-            assert!(message.contains("together are 0.8 m long"), "{message}");
+            let size = if more > 0 { "0.8 m" } else { "0.4 m" };
+            assert!(message.contains(&format!("some {size} large")), "{message}");
             assert_eq!(
                 help.contains(&format!("{more} other origins")),
                 more > 0,
@@ -252,6 +282,36 @@ mod tests {
             // All lengths are scaled alike.
             assert!(told(mass, shape, joint, 0.001).is_some());
         }
+    }
+
+    /// One of many links is 135 m away: more than ten times the largest link, but not than thirty
+    /// of them in a row. Four feet of 4 cm alone say nothing of legs of 0.5 m.
+    #[test]
+    fn one_origin_in_millimetres_among_many_links_is_told() {
+        let chain = |shape: &str, shaped: usize, first: f64| {
+            let links = (0..30).map(|i| {
+                let shape = format!("<collision><geometry>{shape}</geometry></collision>");
+                let shape = if i < shaped { shape } else { String::new() };
+                format!("<link name='l{i}'>{shape}</link>")
+            });
+            let joints = (1..30).map(|i| {
+                let away = if i == 1 { first } else { 0.5 };
+                format!(
+                    "<joint name='j{i}' type='fixed'><origin xyz='0 0 {away}'/>\
+                     <parent link='l{}'/><child link='l{i}'/></joint>",
+                    i - 1
+                )
+            });
+            let parts: String = links.chain(joints).collect();
+            let text = format!("<robot name='r'>{parts}</robot>");
+            let options = ReadOptions::default();
+            let robot = read_str(&text, "r.urdf", Path::new("."), &options).expect("legal");
+            robot.diagnostics.iter().any(|d| d.code == "U069")
+        };
+        let link = "<box size='0.5 0.3 0.3'/>";
+        assert!(chain(link, 30, 135.0));
+        assert!(!chain(link, 30, 0.5));
+        assert!(!chain("<sphere radius='0.02'/>", 4, 0.5));
     }
 
     /// Rolling and spinning friction are lever arms, m.

@@ -95,6 +95,8 @@ fn limits_and_positions_in_degrees_are_told() {
         .with("a", "k", Continuous, at(0.0, 0.0, 1.0), mass("b", 1.0));
     for (settings, line) in [
         ("[joint.j]\nlimits = { lower = -90, upper = 90 }", Some(1)),
+        ("[joint.k]\nlimits = { lower = -90, upper = 90 }", Some(1)),
+        ("[joint.j]\nlimits = { lower = -2, upper = 166 }", Some(1)),
         ("[initial]\njoints = { k = 90 }", Some(2)),
         ("[joint.j]\nlimits = { lower = -1.57, upper = 1.57 }", None),
         ("[initial]\njoints = { k = 6.2 }", None),

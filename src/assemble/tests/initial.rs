@@ -124,20 +124,32 @@ fn a_start_inside_the_ground_is_warned_about_with_its_depth() {
 }
 
 #[test]
-fn gravity_that_points_up_is_warned_about_with_what_was_meant() {
+fn gravity_of_another_sign_axis_or_unit_is_warned_about_with_what_was_meant() {
     for (gravity, meant) in [
         ("[0, 0, 9.81]", "gravity = [0, 0, -9.81]"),
         ("[1.5, 0, 9]", "gravity = [1.5, 0, -9]"),
+        ("[0, -9.81, 0]", "gravity = [0, 0, -9.81]"),
+        ("[0, 0, -9810]", "gravity = [0, 0, -9.81]"),
+        ("[0, 0, -980.665]", "gravity = [0, 0, -9.81]"),
     ] {
         let found = assembled(&cart(), &format!("world.gravity = {gravity}"));
         let help = note(&found, "A143").help.expect("a remedy");
         assert!(help.contains(meant), "{help}");
     }
-    // Weightless, on a wall, and on one that leans over.
-    for gravity in ["[0, 0, 0]", "[9.81, 0, 0]", "[0, -9, 3]", "[0, 0, -1.62]"] {
+    // Weightless, on a wall, on one that leans over, on the moon, and in a centrifuge.
+    for gravity in [
+        "[0, 0, 0]",
+        "[9.81, 0, 0]",
+        "[0, -9, 3]",
+        "[0, 0, -1.62]",
+        "[0, 0, -500]",
+    ] {
         let found = assembled(&cart(), &format!("world.gravity = {gravity}"));
         assert!(!has(&found, "A143"), "{gravity}");
     }
+    // Seen from above, without a ground.
+    let plan = "world.gravity = [0, -9.81, 0]\nworld.ground.type = \"none\"";
+    assert!(!has(&assembled(&cart(), plan), "A143"));
 }
 
 #[test]
