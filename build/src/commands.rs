@@ -180,6 +180,7 @@ fn expand(args: &Expand) -> Result<(), CliError> {
     options.packages.clone_from(&args.packages);
     let expanded = xacro::expand(&args.file, &args.xacro_arguments, &options);
     let expanded = expanded.map_err(|refused| StageError::Robot(refused.findings))?;
+    print_findings(&expanded.notes, Severity::Warning)?;
     target.write(expanded.text.as_bytes())?;
     Ok(())
 }

@@ -137,7 +137,7 @@ pub const CODES: &[Row] = &[
     ("U115", "A mesh that cannot be cut into convex parts.", "`collision = \"hull\"`."),
     ("U116", "A visual mesh that cannot be read.", "Export it again; the robot moves without it."),
     ("U117", "A texture that cannot be read.", "Nothing: the visual is drawn without."),
-    ("U118", "Meshes, or files that xacro reads, that were found at another place of the robot's folders than their names say, or in other upper and lower case; packages of one name that are equally near, or outside of the robot's workspace and repository.", "`--package NAME=DIR` says where the package is; or correct the names."),
+    ("U118", "Meshes, or files that xacro reads, that were found at another place of the robot's folders than their names say, or in other upper and lower case; packages of one name that are equally near, or outside of the robot's workspace and repository; a pattern of an `<xacro:include>` that no file matches.", "`--package NAME=DIR` says where the package is; or correct the names."),
     ("U119", "Collision meshes of several convex objects, each of which has a hull of its own.", "Nothing; `[link.\"…\"] collision = \"hull\"` makes one of them."),
 ];
 

@@ -387,3 +387,47 @@ fn a_file_that_is_missing_by_the_value_of_an_argument_is_told_with_the_argument(
     let done = urdf2fmu(["check", text(&robot), "ur_type:=ur3e"]);
     assert_eq!(done.code, 0, "{done:?}");
 }
+
+/// However the file is named, with a folder or without. Expected: the links that xacro 2.1.1 makes
+/// of them in all three calls, and its warning "matched no files".
+#[test]
+fn parts_and_folders_do_not_depend_on_how_the_file_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    for name in ["part2", "part1", "a1", "a3", "more/part5"] {
+        let file = here.join(format!("{name}.xacro"));
+        fs::create_dir_all(file.parent().unwrap()).unwrap();
+        let link = name.replace('/', "_");
+        fs::write(file, format!("<robot><link name='{link}'/></robot>")).unwrap();
+    }
+    let joined = |child: &str| {
+        format!(
+            "<joint name='{child}_j' type='fixed'><parent link='l'/><child link='{child}'/></joint>"
+        )
+    };
+    let joints: String = ["part1", "part2", "a1", "more_part5"].map(joined).concat();
+    fs::write(
+        here.join("arm.urdf.xacro"),
+        format!(
+            "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><link name='l'/>\
+             <xacro:include filename='part*.xacro'/><xacro:include filename='a[12].xacro'/>\
+             <xacro:include filename='$(dirname)/m?re/*.xacro'/>\
+             <xacro:include filename='nope*.xacro'/>{joints}</robot>"
+        ),
+    )
+    .unwrap();
+    let absolute = here.join("arm.urdf.xacro");
+    for named in ["arm.urdf.xacro", "./arm.urdf.xacro", text(&absolute)] {
+        let done = run_in(here, &["expand", named], &[]);
+        assert_eq!(done.code, 0, "{named}: {done:?}");
+        let links: Vec<&str> = done.out.split("<link name=\"").skip(1).collect();
+        let links: Vec<&str> = links.iter().map(|l| l.split('"').next().unwrap()).collect();
+        assert_eq!(
+            links,
+            ["l", "part1", "part2", "a1", "more_part5"],
+            "{named}"
+        );
+        let told = "warning[U118]: no file matches 'nope*.xacro'";
+        assert!(done.err.contains(told), "{named}: {}", done.err);
+    }
+}

@@ -18,8 +18,8 @@ impl Unread {
     fn all(&mut self, path: &Path, texts: &Texts) -> &BTreeMap<PathBuf, String> {
         self.0.get_or_insert_with(|| {
             let package = folders::package(path);
-            let beside = path.parent().map(Path::to_owned);
-            let mut files = folders::texts(&package.or(beside).unwrap_or_default(), folders::XACRO);
+            let all = package.as_deref().unwrap_or(folders::of(path));
+            let mut files = folders::texts(all, folders::XACRO);
             let read = texts.sources.read.keys();
             for read in read.filter_map(|read| std::path::absolute(read).ok()) {
                 files.remove(&read);
@@ -76,9 +76,7 @@ pub(super) fn advice(
         let files = (!files.is_empty()).then(|| folders::listed(&files));
         return files.map(|files| format!("include one of the files that define it:\n{files}"));
     };
-    let folder = path
-        .parent()
-        .and_then(|folder| std::path::absolute(folder).ok());
+    let folder = std::path::absolute(folders::of(path)).ok();
     let below = folder.and_then(|folder| file.strip_prefix(folder).ok());
     Some(format!(
         "it is defined in a file that is not included, put before its use: \

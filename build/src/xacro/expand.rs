@@ -6,7 +6,7 @@
 //! What cannot be expanded is told and left out, and the expansion goes on, so that one run tells
 //! all that is wrong. What only follows from something that was told is not told.
 
-use super::files::matching;
+use super::files::SIGNS;
 use super::macros::{Macro, Macros};
 use super::parameter::parameters;
 use super::problem::{Done, Lacking, Problem, Weight};
@@ -324,11 +324,10 @@ impl<'f> Expansion<'f> {
             (macros, scope) = (self.macros.named_below(macros, name), inner);
         }
         let spec = self.texts.shown(&file, outer)?;
-        let path = self.texts.sources.beside(&spec);
-        let files = if spec.contains(['*', '[', '?']) {
-            matching(&path)
+        let files = if spec.contains(SIGNS) {
+            self.texts.sources.matching(&spec)
         } else {
-            vec![path]
+            vec![self.texts.sources.beside(&spec)]
         };
         for path in files {
             let at = self.texts.sources.at;

@@ -124,13 +124,15 @@ fn of_its_name(path: &Path) -> Option<String> {
     let found = folders::namesakes(path);
     match &found[..] {
         [] => {
-            let folder = path.parent()?;
-            let entries = std::fs::read_dir(folder).ok()?.flatten();
+            let entries = std::fs::read_dir(folders::of(path)).ok()?.flatten();
             let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
             let names: BTreeSet<String> = names.collect();
             let own = path.file_name()?.to_string_lossy();
             let near = nearest(&own, names.iter().map(String::as_str))?;
-            Some(format!("did you mean '{}'?", folder.join(near).display()))
+            Some(format!(
+                "did you mean '{}'?",
+                path.with_file_name(near).display()
+            ))
         }
         [only] => Some(format!("did you mean '{}'?", only.display())),
         _ => Some(format!(

@@ -23,10 +23,7 @@ fn of(file: &Path) -> Vec<PathBuf> {
     let Some(own) = file.file_name() else {
         return Vec::new();
     };
-    let folder = match file.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+    let folder = folders::of(file);
     let texts = folders::texts(
         folders::package_of(folder).unwrap_or(folder),
         folders::XACRO,

@@ -143,11 +143,7 @@ pub fn expand(
         .iter()
         .filter_map(|argument| argument.split_once(":="));
     let pairs = pairs.map(|(name, value)| (name.trim().to_owned(), value.trim().to_owned()));
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let find = urdf::package_finder(folder, options);
+    let find = urdf::package_finder(folders::of(path), options);
     let mut expansion = Expansion::new(pairs.collect(), &find);
     let shown = command::command_line(path, arguments);
     let note = |message: String| Diagnostic {

@@ -1,5 +1,6 @@
 //! Files that an expansion reads, and the place in them where it is.
 
+use super::files::matching;
 use super::folders;
 use super::problem::{Done, Lacking, Problem, Weight};
 use super::tree::{self, Element};
@@ -212,6 +213,26 @@ impl<'f> Sources<'f> {
         meant
     }
 
+    /// Files that match a pattern; that there are none is told.
+    pub fn matching(&mut self, pattern: &str) -> Vec<PathBuf> {
+        let folder = self.beside("");
+        let found = matching(&folder, pattern);
+        if found.is_empty() {
+            let help = "correct the pattern, which counts from the folder of the file that is \
+                        read: '*' stands for any letters, '?' for one, '[ab]' for one of these; \
+                        or leave it out";
+            let none = Problem {
+                lacking: Some(Lacking::File(folder.join(pattern))),
+                meant: Some(help.to_owned()),
+                ..self.problem(format!(
+                    "no file matches '{pattern}': this <xacro:include> includes nothing"
+                ))
+            };
+            self.tell(Severity::Warning, none);
+        }
+        found
+    }
+
     fn tell(&mut self, severity: Severity, moved: Problem) {
         if !self.moved.iter().any(|(_, known)| known.is_as(&moved)) {
             self.moved.push((severity, moved));
@@ -226,9 +247,10 @@ impl<'f> Sources<'f> {
 
     /// The folder of the file that is read.
     pub fn folder(&self) -> String {
-        let folder = self.beside("");
-        let folder = std::path::absolute(&folder).unwrap_or(folder);
-        let shown = folder.display().to_string();
+        let beside = self.beside("");
+        let folder = folders::present(&beside);
+        let folder = std::path::absolute(folder);
+        let shown = folder.unwrap_or(beside).display().to_string();
         shown.trim_end_matches('/').to_owned()
     }
 
