@@ -389,3 +389,47 @@ fn an_argument_that_is_an_empty_name_of_a_file_is_named() {
         "{list:?}"
     );
 }
+
+/// One rule for tables of runs and of inputs, in the same words.
+#[test]
+fn units_in_the_names_of_a_run_are_those_of_its_variables() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("run.html");
+    let rover = example("rover.urdf");
+    let table = folder.path().join("run.csv");
+    for (names, wrong) in [
+        ("time [s],base.position.z [m]", ""),
+        ("time [s],base_position_z (m)", ""),
+        (
+            "time,base.position.z [mm]",
+            "line 1, column 2: the values of 'base.position.z' must be in m, not in mm",
+        ),
+        (
+            "time,base_position_z (mm)",
+            "line 1, column 2: the values of 'base.position.z' must be in m, not in mm",
+        ),
+        (
+            "base.position.z,time [ms]",
+            "line 1, column 2: the values of 'time' must be in s, not in ms",
+        ),
+        (
+            "time,base.rpy.yaw [deg]",
+            "line 1, column 2: the values of 'base.rpy.yaw' must be in rad, not in deg",
+        ),
+        // A column of another program's may be in any unit.
+        ("time,base.position.z,something [furlong]", ""),
+    ] {
+        let more = if names.contains("furlong") { ",3" } else { "" };
+        fs::write(&table, format!("{names}\n0,0.1{more}\n1,0.2{more}\n")).unwrap();
+        let run = run(&[
+            "report",
+            text(&table),
+            "--model",
+            text(&rover),
+            "-o",
+            text(&page),
+        ]);
+        assert_eq!(run.code == 0, wrong.is_empty(), "{names}: {run:?}");
+        assert!(run.err.contains(wrong), "{names}: {}", run.err);
+    }
+}

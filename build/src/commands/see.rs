@@ -67,10 +67,9 @@ pub(super) fn run(path: &Path, scene: &Scene) -> Result<Table, CliError> {
         Ok(bytes) => bytes,
         Err(source) => return Err(CliError::Read { path, source }),
     };
-    match Table::parse(&decoded(bytes)) {
-        Ok(table) => Ok(table.named(scene)),
-        Err(source) => Err(CliError::Results { path, source }),
-    }
+    let table = Table::parse(&decoded(bytes));
+    let table = table.and_then(|table| table.named(scene).in_units_of(scene));
+    table.map_err(|source| CliError::Results { path, source })
 }
 
 /// Says what had to be said of a table.

@@ -4,7 +4,7 @@ use super::csv::Table;
 use super::description::Description;
 use super::error::{RunError, START_VALUE};
 use super::signals::{Signal, Signals};
-use super::tabular::{decoded, name_and_unit, same_unit};
+use super::tabular::{decoded, name_and_unit, wrong_unit};
 use super::variable::{Kind, Variable};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::clock;
@@ -163,7 +163,6 @@ pub(super) fn signals(
             place: place(),
             what,
         };
-        // A unit behind a name must be that of the variable: values are never converted.
         let (stem, unit) = match description.find(name) {
             Some(_) => (name.as_str(), None),
             None => name_and_unit(name),
@@ -175,14 +174,8 @@ pub(super) fn signals(
             "an input or a tunable parameter",
         )
         .map_err(failed)?;
-        if let Some(unit) = unit.filter(|unit| !same_unit(unit, &variable.unit)) {
-            return Err(failed(format!(
-                "the values of '{stem}' must be in {}, not in {unit}",
-                match variable.unit.as_str() {
-                    "" => "no unit",
-                    unit => unit,
-                }
-            )));
+        if let Some(what) = unit.and_then(|unit| wrong_unit(stem, unit, &variable.unit)) {
+            return Err(failed(what));
         }
         let mut others = list
             .iter()

@@ -80,6 +80,20 @@ pub fn same_unit(a: &str, b: &str) -> bool {
     a == b || (a.is_empty() && b == "1") || (b.is_empty() && a == "1")
 }
 
+/// What is wrong with the unit behind the name of a column, which must be that of the variable:
+/// values are never converted.
+///
+/// - `unit`: as written
+/// - `of_variable`: empty for a number without one
+pub fn wrong_unit(name: &str, unit: &str, of_variable: &str) -> Option<String> {
+    let expected = match of_variable {
+        "" => "no unit",
+        unit => unit,
+    };
+    (!same_unit(unit, of_variable))
+        .then(|| format!("the values of '{name}' must be in {expected}, not in {unit}"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

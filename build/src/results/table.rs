@@ -6,7 +6,7 @@
 //! between them. Notes say what is left out or corrected.
 
 use super::names;
-use crate::importer::tabular::{delimiter, is_announcement, name_and_unit};
+use crate::importer::tabular::{delimiter, is_announcement, name_and_unit, wrong_unit};
 use urdf2fmu_drawing::scene::Scene;
 
 /// Columns of numbers; what is missing is NaN.
@@ -21,6 +21,30 @@ pub struct Table {
     /// Names of columns whose cells held several numbers, and how many; their columns are called
     /// `name[1]` and so on.
     pub lists: Vec<(String, usize)>,
+    /// The unit behind the name of each column and where it stands.
+    pub units: Vec<Option<Written>>,
+}
+
+/// A unit in the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written {
+    unit: String,
+    /// From 1.
+    line: u64,
+    /// From 1.
+    column: usize,
+}
+
+impl Written {
+    /// Refuses a unit that is not that of the variable.
+    fn compare(&self, name: &str, of_variable: &str) -> Result<(), ResultsError> {
+        let (line, column) = (self.line, self.column);
+        let wrong = wrong_unit(name, &self.unit, of_variable);
+        wrong.map_or(Ok(()), |what| {
+            let what = format!("line {line}, column {column}: {what}");
+            Err(ResultsError::Unit { what })
+        })
+    }
 }
 
 /// Why a table cannot be used.
@@ -38,6 +62,12 @@ pub enum ResultsError {
     NoTime {
         /// The first names.
         found: String,
+    },
+    /// A unit that is not that of its variable.
+    #[error("{what}")]
+    Unit {
+        /// As a sentence, with line and column.
+        what: String,
     },
     /// Not separated text.
     #[error("line {line}: this cannot be read as separated values")]
@@ -74,6 +104,20 @@ impl Table {
         self
     }
 
+    /// Compares the units of columns that have the names of the scene's variables.
+    ///
+    /// # Errors
+    /// A unit that is not that of the variable.
+    pub fn in_units_of(self, scene: &Scene) -> Result<Self, ResultsError> {
+        for ((name, _), written) in self.columns.iter().zip(&self.units) {
+            let variable = scene.head.variables.iter().find(|v| v.name == *name);
+            if let (Some(written), Some(variable)) = (written, variable) {
+                written.compare(name, &variable.unit)?;
+            }
+        }
+        Ok(self)
+    }
+
     /// Reads a table.
     ///
     /// # Errors
@@ -98,13 +142,25 @@ impl Table {
         if is_announcement(&header) {
             header = records.next().ok_or(ResultsError::Empty)??;
         }
-        let names: Vec<String> = header.iter().map(name).collect();
+        let line = header.position().map_or(1, csv::Position::line);
+        let (names, units): (Vec<String>, Vec<Option<Written>>) = (1..)
+            .zip(&header)
+            .map(|(column, cell)| {
+                let (name, unit) = name(cell);
+                let unit = unit.map(str::to_owned);
+                let written = unit.map(|unit| Written { unit, line, column });
+                (name.to_owned(), written)
+            })
+            .unzip();
         let time = TIMES
             .iter()
             .find_map(|time| names.iter().position(|name| name.to_lowercase() == *time))
             .ok_or_else(|| ResultsError::NoTime {
                 found: names[..names.len().min(8)].join(", "),
             })?;
+        if let Some(written) = &units[time] {
+            written.compare(&names[time], "s")?;
+        }
         let mut reading = Reading {
             decimal_comma: delimiter != b',',
             widths: Vec::new(),
@@ -153,12 +209,16 @@ impl Table {
             }
         };
         let time = reading.widths.iter().take(time).sum();
+        let units = units.iter().zip(&reading.widths);
+        let units: Vec<Option<Written>> = units
+            .flat_map(|(unit, width)| vec![unit.clone(); *width])
+            .collect();
         let names: Vec<String> = names
             .iter()
             .zip(&reading.widths)
             .flat_map(elements)
             .collect();
-        let table = reading.finish(&names, time, notes)?;
+        let table = reading.finish(&names, &units, time, notes)?;
         Ok(Self { lists, ..table })
     }
 
@@ -170,8 +230,8 @@ impl Table {
             columns: (1..names.len())
                 .map(|i| (names[i].clone(), column(i)))
                 .collect(),
-            notes: Vec::new(),
-            lists: Vec::new(),
+            units: vec![None; names.len() - 1],
+            ..Self::default()
         }
     }
 }
@@ -250,6 +310,7 @@ impl Reading {
     fn finish(
         mut self,
         names: &[String],
+        units: &[Option<Written>],
         time: usize,
         mut notes: Vec<String>,
     ) -> Result<Table, ResultsError> {
@@ -265,6 +326,7 @@ impl Reading {
         }
         self.sort(time, &mut notes);
         let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
+        let mut of_columns = Vec::new();
         for (i, (name, values)) in names.iter().zip(&mut self.columns).enumerate() {
             let strange = self.strange[i].take();
             if i == time {
@@ -292,12 +354,14 @@ impl Reading {
                 }
             }
             columns.push((name.clone(), std::mem::take(values)));
+            of_columns.push(units[i].clone());
         }
         Ok(Table {
             time: std::mem::take(&mut self.columns[time]),
             columns,
             notes,
             lists: Vec::new(),
+            units: of_columns,
         })
     }
 
@@ -316,13 +380,14 @@ impl Reading {
     }
 }
 
-/// A name without quotes and without its unit in brackets behind it.
-fn name(cell: &str) -> String {
+/// A name without quotes, and its unit in brackets behind it.
+fn name(cell: &str) -> (&str, Option<&str>) {
     let inner = cell
         .strip_prefix('"')
         .and_then(|c| c.strip_suffix('"'))
         .unwrap_or(cell);
-    name_and_unit(inner).0.trim().to_owned()
+    let (name, unit) = name_and_unit(inner);
+    (name.trim(), unit)
 }
 
 #[cfg(test)]
@@ -402,6 +467,10 @@ mod tests {
         assert_eq!(
             message("time,x\n0\n1,2"),
             "line 2: 1 values, but line 1 names 2 columns"
+        );
+        assert_eq!(
+            message("sep=;\nx [m];time [ms]\n0;1\n"),
+            "line 2, column 2: the values of 'time' must be in s, not in ms"
         );
         assert_eq!(message("time,x\n"), "no row below line 1 has a time");
     }
