@@ -403,10 +403,8 @@ impl Surroundings {
             ObjectSource::Terrain(settings) => {
                 let place = object.place.as_ref();
                 match terrain::shape(object.called(), settings, place) {
-                    Ok(shape) => {
-                        if let Some(file) = settings.file() {
-                            self.source(file);
-                        }
+                    Ok((shape, files)) => {
+                        files.iter().for_each(|file| self.source(file));
                         let rpy = &object.initial.rpy;
                         self.tell(terrain::findings(object.called(), &shape, rpy, place));
                         Some(assemble::solid(object.called(), &shape, 0.0))

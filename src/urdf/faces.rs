@@ -46,6 +46,8 @@ pub(super) enum MeshError {
         expected: u64,
         found: u64,
     },
+    #[error("its count says {triangles} triangles, but the file has {found}")]
+    Miscounted { triangles: u32, found: u64 },
     #[error("the file is cut short: it ends within a facet")]
     Unfinished,
     #[error("line {line}: {what}")]

@@ -110,14 +110,6 @@ impl MeshFile {
         })
     }
 
-    /// [`MeshFile::open`] with the files that lie beside it, wherever that is.
-    pub(super) fn alone(path: &Path) -> Result<Self, MeshError> {
-        Self::open(path, &|name| {
-            let file = path.with_file_name(name);
-            file.is_file().then_some(file)
-        })
-    }
-
     /// Corners of the mesh's faces in m, as the file has them.
     pub(super) fn corners(&self) -> Result<Vec<Vec3>, MeshError> {
         match &self.gltf {
@@ -245,8 +237,13 @@ fn stl(bytes: &[u8]) -> Result<Vec<Vec3>, MeshError> {
         // The length decides: many binary files start with "solid" too.
         Some((_, expected)) if expected == found => Ok(stl_binary(bytes, expected)),
         _ if solid => stl_text(&String::from_utf8_lossy(bytes)),
-        // Some programs append data of their own.
+        // Some programs append data of their own, which are no whole triangles.
         Some((triangles, expected)) if triangles > 0 && expected < found => {
+            let rest = found - STL_HEADER as u64;
+            if rest.is_multiple_of(STL_TRIANGLE as u64) {
+                let found = rest / STL_TRIANGLE as u64;
+                return Err(MeshError::Miscounted { triangles, found });
+            }
             Ok(stl_binary(bytes, expected))
         }
         Some((triangles, expected)) if expected > found => Err(MeshError::Truncated {
@@ -351,6 +348,12 @@ mod tests {
         for length in 0..134 {
             assert!(stl(&bytes[..length]).is_err(), "{length}");
         }
+        // Six triangles with a count of four.
+        let mut bytes = binary(b"part", &[TRIANGLE; 6]);
+        bytes[80..84].copy_from_slice(&4_u32.to_le_bytes());
+        let told = stl(&bytes).map_err(|error| error.to_string());
+        let message = "its count says 4 triangles, but the file has 6";
+        assert_eq!(told, Err(message.to_owned()));
         // A count of four thousand million triangles must not be believed.
         let mut bytes = binary(b"part", &[TRIANGLE]);
         bytes[80..84].copy_from_slice(&u32::MAX.to_le_bytes());

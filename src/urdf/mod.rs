@@ -62,6 +62,7 @@ pub use xml::HARDWARE;
 
 use crate::diagnostic::{Diagnostic, Report};
 use crate::spatial::Vec3;
+use faces::MeshError;
 use mesh::MeshFile;
 use packages::Packages;
 pub use packages::Remark;
@@ -70,15 +71,24 @@ use scope::Scope;
 use std::path::{Path, PathBuf};
 use xml::Document;
 
-/// Triangles of a mesh file, STL, OBJ, PLY, COLLADA or glTF, in m.
+/// Triangles of a mesh file, STL, OBJ, PLY, COLLADA or glTF, in m, and the files beside it that hold
+/// parts of it.
 ///
 /// # Errors
 /// What is wrong with the file, as the end of a sentence.
-pub fn read_triangles(path: &Path) -> Result<Vec<[Vec3; 3]>, String> {
-    let mesh = MeshFile::alone(path).map_err(|error| error.to_string())?;
+pub fn read_triangles(path: &Path) -> Result<(Vec<[Vec3; 3]>, Vec<PathBuf>), String> {
+    let mesh = alone(path).map_err(|error| error.to_string())?;
     // Whatever is wrong with its numbers is found with the corners.
     mesh.corners().map_err(|error| error.to_string())?;
-    mesh.triangles().map_err(|error| error.to_string())
+    let triangles = mesh.triangles().map_err(|error| error.to_string())?;
+    Ok((triangles, mesh.beside().to_owned()))
+}
+
+/// A mesh that no robot names: its folders are those that a robot in its place would have.
+fn alone(path: &Path) -> Result<MeshFile, MeshError> {
+    let options = ReadOptions::default();
+    let resolver = Resolver::new(folder_of(path), &options, None);
+    MeshFile::open(path, &|name| resolver.beside(path, name))
 }
 
 /// Reads a URDF file and the meshes of its collision shapes.
@@ -89,13 +99,17 @@ pub fn read_triangles(path: &Path) -> Result<Vec<[Vec3; 3]>, String> {
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Description, Vec<Diagnostic>> {
     let file = path.display().to_string();
     let text = file::text(path).map_err(|finding| vec![*finding])?;
-    let base_dir = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let mut description = read_str(&text, &file, base_dir, options)?;
+    let mut description = read_str(&text, &file, folder_of(path), options)?;
     description.sources.insert(0, path.to_owned());
     Ok(description)
+}
+
+/// The folder of a file: the present one where it is named without.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
 }
 
 /// A package.
@@ -127,7 +141,7 @@ pub fn package_finder<'o>(
 /// # Errors
 /// What is wrong with the file.
 pub fn mesh_corners(path: &Path) -> Result<Vec<Vec3>, Box<dyn std::error::Error>> {
-    Ok(MeshFile::alone(path)?.corners()?)
+    Ok(alone(path)?.corners()?)
 }
 
 /// Reads a URDF text and the meshes of its collision shapes.

@@ -167,3 +167,23 @@ fn an_srdf_that_bolts_a_robot_down_stands_out_and_init_proposes_its_base() {
     let done = urdf2fmu(["init", text(&robot), "--srdf", text(&floating)]);
     assert!(done.code == 0 && !done.out.contains(proposed), "{done:?}");
 }
+
+#[test]
+fn settings_do_not_take_the_place_of_a_file_of_another_kind() {
+    let folder = tempfile::tempdir().unwrap();
+    let urdf = example("arm.urdf");
+    for (name, more, ending) in [
+        ("rover.urdf", None, "settings, and"),
+        ("run.csv", None, "settings, and"),
+        ("rover.urdf", Some("--ssv"), "start values, and"),
+    ] {
+        let own = folder.path().join(name);
+        fs::write(&own, "kept").unwrap();
+        let mut args = vec!["init", text(&urdf), "-o", text(&own)];
+        args.extend(more);
+        let run = run(&args);
+        assert_eq!(run.code, 2, "{run:?}");
+        assert!(run.err.contains(ending), "{}", run.err);
+        assert_eq!(fs::read_to_string(&own).unwrap(), "kept");
+    }
+}

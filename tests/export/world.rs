@@ -434,3 +434,66 @@ fn a_door_without_mass_gets_the_missing_one() {
     assert!(!help.contains("--density"), "{help}");
     assert!(check(&["--missing-mass", "0.1"]).0);
 }
+
+/// The numbers of a glTF terrain lie in a file of their own: it is packed as that of a robot's mesh
+/// is, and read from the terrain's own folders alone.
+#[test]
+fn a_terrain_of_two_files_is_packed_whole_and_reads_nothing_outside_of_its_folders() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = folder.path().join("own");
+    fs::create_dir(&own).unwrap();
+    fs::copy(example("rover.urdf"), own.join("rover.urdf")).unwrap();
+    let corners = [-5.0_f32, -5.0, 0.0, 5.0, -5.0, 0.0, 0.0, 9.0, 0.0];
+    let bytes: Vec<u8> = corners.iter().flat_map(|x| x.to_le_bytes()).collect();
+    fs::write(own.join("floor.bin"), &bytes).unwrap();
+    fs::write(folder.path().join("floor.bin"), &bytes).unwrap();
+    fs::write(folder.path().join("outside.bin"), &bytes).unwrap();
+    fs::write(
+        own.join("world.toml"),
+        "[[world.terrain]]\nname = \"floor\"\ntype = \"mesh\"\nfile = \"floor.gltf\"\n\
+         rpy = [1.5708, 0, 0]\n",
+    )
+    .unwrap();
+    let rover = own.join("rover.urdf");
+    let settings = own.join("world.toml");
+    let fmu = folder.path().join("rover.fmu");
+    let outside = folder.path().join("outside.bin");
+    for (uri, taken) in [
+        ("floor.bin", true),
+        ("../outside.bin", false),
+        (text(&outside), false),
+    ] {
+        let mesh = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}],
+            "nodes": [{{"mesh": 0}}], "buffers": [{{"uri": "{uri}", "byteLength": 36}}],
+            "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+            "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+            "accessors": [{{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}}]}}"#
+        );
+        fs::write(own.join("floor.gltf"), mesh).unwrap();
+        let args = [
+            "export",
+            text(&rover),
+            "-c",
+            text(&settings),
+            "-o",
+            text(&fmu),
+            "--no-documentation",
+        ];
+        let run = run_in(folder.path(), &args, &[]);
+        if taken {
+            assert_eq!(run.code, 0, "{run:?}");
+            let (names, contents) = entries(&fmu);
+            let packed = names.iter().find(|name| name.ends_with("/floor.bin"));
+            assert_eq!(contents[packed.expect("packed")], bytes, "{names:?}");
+        } else {
+            assert_eq!(run.code, 1, "{run:?}");
+            let told = "is not beside it";
+            assert!(
+                run.err.contains("T002") && run.err.contains(told),
+                "{}",
+                run.err
+            );
+        }
+    }
+}

@@ -6,6 +6,7 @@ mod npy;
 mod outside;
 mod read;
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
 use urdf2fmu_core::geometry::Shape;
@@ -15,7 +16,7 @@ use urdf2fmu_core::settings::{HeightSource, TerrainSettings};
 use urdf2fmu_core::spatial::Vec3;
 use urdf2fmu_core::urdf;
 
-/// The shape that settings describe.
+/// The shape that settings describe, and the files that it is read from.
 ///
 /// - `place`: where they stand
 ///
@@ -25,7 +26,8 @@ pub fn shape(
     name: &str,
     settings: &TerrainSettings,
     place: Option<&Place>,
-) -> Result<Shape, Box<Diagnostic>> {
+) -> Result<(Shape, Vec<PathBuf>), Box<Diagnostic>> {
+    let mut files: Vec<PathBuf> = settings.file().into_iter().map(Path::to_owned).collect();
     let error = |code, message: String, help: &str| {
         Box::new(Diagnostic {
             severity: Severity::Error,
@@ -36,17 +38,17 @@ pub fn shape(
         })
     };
     let samples = match settings {
-        TerrainSettings::Plane => return Ok(Shape::Plane),
+        TerrainSettings::Plane => return Ok((Shape::Plane, files)),
         TerrainSettings::Mesh { file, scale } => {
             let help = "give a file of triangles with an area: STL, OBJ, PLY, COLLADA or glTF";
             let wrong =
                 |message: String| error("T002", format!("'{}': {message}", file.display()), help);
-            let triangles = urdf::read_triangles(file).map_err(wrong)?;
+            let (triangles, beside) = urdf::read_triangles(file).map_err(wrong)?;
+            files.extend(beside);
             let scaled: Vec<_> = triangles.iter().map(|t| t.map(|c| c * *scale)).collect();
             let surface = Surface::try_from(Triangles::new(&scaled));
-            return Ok(Shape::Surface {
-                surface: Arc::new(surface.map_err(|found| wrong(found.to_string()))?),
-            });
+            let surface = Arc::new(surface.map_err(|found| wrong(found.to_string()))?);
+            return Ok((Shape::Surface { surface }, files));
         }
         TerrainSettings::Heights {
             source,
@@ -70,9 +72,8 @@ pub fn shape(
     };
     let help = "give at least 2 x 2 finite heights, and at most 4,000,000";
     let field = Field::try_from(samples).map_err(|found| error("T002", found.to_string(), help))?;
-    Ok(Shape::Field {
-        field: Arc::new(field),
-    })
+    let field = Arc::new(field);
+    Ok((Shape::Field { field }, files))
 }
 
 /// What looks wrong in a shape that can be used.

@@ -8,6 +8,14 @@ use std::path::{Path, PathBuf};
 use urdf2fmu_core::geometry::field::Samples;
 use urdf2fmu_core::settings::{GeneratedHeights, HeightForm};
 
+fn shape(
+    name: &str,
+    settings: &TerrainSettings,
+    place: Option<&Place>,
+) -> Result<Shape, Box<Diagnostic>> {
+    Ok(super::shape(name, settings, place)?.0)
+}
+
 /// A grey PNG, row by row from the top.
 fn png(width: u32, rows: &[u8], depth: png::BitDepth) -> Vec<u8> {
     let each = if depth == png::BitDepth::Sixteen {
