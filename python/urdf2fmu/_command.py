@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.metadata
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -67,6 +68,12 @@ def _installed(name: str) -> Iterator[Path]:
     yield Path(sysconfig.get_path("scripts"), name)
 
 
+_USAGE = 2
+"""The exit code of wrong usage."""
+_OF_A_SHELL = re.compile(r"^(  tip: to pass '.*' as a value, .*|Usage: .*|For more information, .*)\n+", re.M)
+"""Advice of the command that is of no use where options are those of a function."""
+
+
 def run(*arguments: str | os.PathLike[str], accept: Sequence[int] = (0,)) -> str:
     """Runs the command and gives its standard output.
 
@@ -82,7 +89,8 @@ def run(*arguments: str | os.PathLike[str], accept: Sequence[int] = (0,)) -> str
         # A name with a zero in it, or half of a letter, is that of no file and no option.
         raise Error(f"the command cannot be run with what it is given: {error}") from None
     if done.returncode not in accept:
-        text = done.stderr.strip() or f"urdf2fmu ended with exit code {done.returncode}"
+        said = _OF_A_SHELL.sub("", done.stderr) if done.returncode == _USAGE else done.stderr
+        text = said.strip() or f"urdf2fmu ended with exit code {done.returncode}"
         raise Error(text, exit_code=done.returncode)
     return done.stdout
 

@@ -24,7 +24,7 @@ Table = Union[npt.NDArray[Any], Mapping[str, npt.ArrayLike]]
 
 
 def simulate(robot: PathLike, *, input: Table | PathLike | None = None, start_values: Mapping[str, npt.ArrayLike] | None = None,
-             output: str | Sequence[str] = (), config: Settings | None = None, **options: Option) -> npt.NDArray[Any]:
+             output: str | Sequence[str] | None = None, config: Settings | None = None, **options: Option) -> npt.NDArray[Any]:
     """Simulates from start to stop.
 
     Args:
@@ -58,9 +58,12 @@ def simulate(robot: PathLike, *, input: Table | PathLike | None = None, start_va
             for each, start in zip(names, one_each(name, names, value).tolist()):
                 # Booleans and whole numbers without a point.
                 more += ["--start-value", each, repr(start) if variables[each].kind == "Real" else f"{start:.17g}"]
-        if not isinstance(output, Iterable):
+        if output is not None and not isinstance(output, Iterable):
             raise Error(f"output is a name or a list of names, not {output!r}")
-        for name in [output] if isinstance(output, str) else output:
+        wanted = [output] if isinstance(output, str) else list(output or ())
+        if output is not None and not wanted:
+            raise Error("output is an empty list; leave it out for all outputs")
+        for name in wanted:
             for each in output_names(variables, name):
                 more += ["--output-variable", each]
         kept = rest.pop("output_file", None)

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
 from types import TracebackType
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -96,8 +97,7 @@ class Simulation:
         self._start_values = by_name("start values", start_values)
         self._start_time = number("the start time", start_time)
         self._tolerance = None if tolerance is None else number("the tolerance", tolerance)
-        self.time = self._start_time
-        """s; the time that the simulation has come to"""
+        self._time = self._start_time
         self._begin()
 
     def _begin(self) -> None:
@@ -118,7 +118,7 @@ class Simulation:
 
     def _initialize(self) -> None:
         self._functions.initialize(self._call, self._tolerance, self._start_time, self._set_start_values)
-        self.time = self._start_time
+        self._time = self._start_time
 
     def _set_start_values(self) -> None:
         causalities = {name: v.causality for name, v in self._fmu.variables.items()}
@@ -149,9 +149,14 @@ class Simulation:
             warnings.warn(told, RuntimeWarning, stacklevel=3)
 
     @property
+    def time(self) -> float:
+        """s; the time that the simulation has come to"""
+        return self._time
+
+    @property
     def variables(self) -> Mapping[str, Variable]:
-        """All variables by their names."""
-        return self._fmu.variables
+        """All variables by their names; they are those of all simulations of the FMU, and cannot be changed."""
+        return MappingProxyType(self._fmu.variables)
 
     def names(self, pattern: str = "*", *, causality: str | None = None) -> list[str]:
         """Names of variables, in the order of the FMU.
@@ -236,9 +241,9 @@ class Simulation:
                 raise
             except BaseException:
                 # Ctrl-C, or a warning that is made an error: only the FMU knows whether it has taken the step.
-                self.time = self._functions.reached(self._call, begin)
+                self._time = self._functions.reached(self._call, begin)
                 raise
-            self.time = begin + seconds
+            self._time = begin + seconds
 
     def reset(self, start_values: Mapping[str, npt.ArrayLike] | None = None) -> None:
         """Back to the start.
@@ -297,7 +302,7 @@ class Simulation:
             try:
                 self._call(put, pointer)
                 # The state has a time of its own, whatever the tuple says.
-                self.time = self._functions.reached(self._call, saved)
+                self._time = self._functions.reached(self._call, saved)
             finally:
                 self._call(free, ctypes.byref(pointer))
 

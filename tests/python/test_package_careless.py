@@ -386,3 +386,35 @@ def test_fractions_and_decimals_are_numbers_in_settings_and_options(examples, tm
                           no_documentation=True)
     with Simulation(fmu) as robot:
         assert robot["solver.step_size"] == 1 / 256
+
+
+def test_variables_and_time_are_read_only(rover):
+    """The dict of an FMU was that of all simulations of it; a time that was set ended the simulation."""
+    with Simulation(rover) as robot:
+        with pytest.raises(TypeError):
+            robot.variables["x"] = 1
+        with pytest.raises(AttributeError):
+            robot.variables.clear()
+        robot.step(0.1)
+        with pytest.raises(AttributeError):
+            robot.time = 3.0
+        robot.step(0.1)
+        assert robot.time == pytest.approx(0.2, abs=1e-12)
+    with Simulation(rover) as other:
+        assert list(other.variables) == other.names()
+
+
+def test_wrong_options_are_told_without_advice_for_a_shell(examples):
+    with pytest.raises(Error) as raised:
+        urdf2fmu.check(examples / "rover.urdf", foo=True)
+    assert str(raised.value) == "error: unexpected argument '--foo' found"
+    assert raised.value.exit_code == 2
+    with pytest.raises(Error) as raised:
+        urdf2fmu.check(examples / "rover.urdf", fixed_bas=True)
+    assert str(raised.value).endswith("tip: a similar argument exists: '--fixed-base'")
+
+
+def test_an_empty_list_of_outputs_is_told(rover):
+    """It gave all of them."""
+    with pytest.raises(Error, match="output is an empty list"):
+        urdf2fmu.simulate(rover, output=[])
