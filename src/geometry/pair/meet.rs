@@ -6,7 +6,7 @@ use super::flush;
 use super::nearest::{Apart, nearest};
 use super::placed::Placed;
 use super::points::{Points, Side, point};
-use super::polygon::{Cover, Limits, Polygons, cover};
+use super::polygon::{Asked, Cover, Limits, Polygons, cover};
 use super::trace::{Trace, along_axes};
 use super::view::{Frame, Seen};
 use crate::spatial::Vec3;
@@ -101,7 +101,7 @@ impl Meeting {
             blend,
             wide: 2.0 * LEAST * a.solid.blend.min(b.solid.blend),
             reach,
-            points_alone: false,
+            asked: Asked::All,
         };
         let faces = |p: &Placed| p.solid.round.is_none() && !p.solid.mesh.normals.is_empty();
         let blended = apart.part < 1.0;
@@ -114,6 +114,7 @@ impl Meeting {
                 rise *= 8.0;
                 let all = Limits {
                     level: gap + rise,
+                    asked: Asked::Least,
                     ..limits
                 };
                 if let Some(round) = a.solid.round {
@@ -137,7 +138,7 @@ impl Meeting {
                 left -= self.round_on_faces((a, &round), b, (&n, limits), points);
             }
             (None, None) if faces(a) && faces(b) => {
-                limits.points_alone = true;
+                limits.asked = Asked::Points;
                 let all = self.cover((a, b), (&n, limits), points);
                 points.scale(0, per(all.part, all.weight));
                 left -= all.part;

@@ -156,8 +156,18 @@ pub(super) struct Limits {
     /// How wide, or far inside of a face, something is that decides alone, m.
     pub(super) wide: f64,
     pub(super) reach: f64,
-    /// Whether the part that is cut off is not asked for, nor what has no part in the weights.
-    pub(super) points_alone: bool,
+    pub(super) asked: Asked,
+}
+
+/// What is asked for of faces that lie over each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Asked {
+    /// The least gap.
+    Least,
+    /// All but the part that is cut off, and what has no part in the weights.
+    Points,
+    /// Everything.
+    All,
 }
 
 impl Limits {
@@ -201,7 +211,7 @@ pub(super) fn cover(
             if !f.meets(g) {
                 continue;
             }
-            if limits.points_alone {
+            if limits.asked == Asked::Points {
                 let volume = f.common_area(g) * height;
                 if (volume * volume) * (volume * volume) <= NEGLIGIBLE * all.weight {
                     continue;
@@ -225,6 +235,9 @@ pub(super) fn cover(
             }
             let nearest = one.corners().iter().map(gap).fold(f64::INFINITY, f64::min);
             all.least = all.least.min(nearest);
+            if limits.asked == Asked::Least {
+                continue;
+            }
             two.cut(one, |x| limits.level - gap(x));
             let (area, volume) = two.integral(|x| limits.level - gap(x));
             if area <= 0.0 || volume <= 0.0 {
@@ -235,7 +248,7 @@ pub(super) fn cover(
             all.part += weight * limits.part(2.0 * area / two.circumference(), nearest);
             one.merge();
             corners(one, (f, g), frame, (limits.reach, weight), (first, points));
-            if limits.points_alone {
+            if limits.asked == Asked::Points {
                 continue;
             }
             // How much the face would cover of the whole plane.
@@ -289,5 +302,56 @@ fn corners(
         let middle = Vec3::new(x.x, x.y, x.z + 0.5 * depth);
         let share = weight * share / std::f64::consts::TAU;
         points.add(first, point(frame.world(&middle), depth, share));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::pair::placed::Placed;
+    use crate::geometry::pair::tests::{any_rotation, at, cloud, solid};
+    use crate::testing::Random;
+
+    /// Where the level is looked for, nothing is asked for but the least gap: no point is found,
+    /// of which there would be 64, and the gap is the one that all points have.
+    #[test]
+    fn the_least_gap_is_found_without_points() {
+        let mut random = Random(0x2545_F491_4F6C_DD1D);
+        for _ in 0..20 {
+            let solids = [0, 1].map(|_| solid(&cloud(40, 0.1, &mut random)));
+            let poses = [0, 1].map(|_| at(random.vector(0.02), any_rotation(&mut random)));
+            let [a, b] = [0, 1].map(|i| Placed::new(&solids[i], &poses[i], &Vec3::zeros()));
+            let frame = Frame::new(random.unit());
+            let (mut upper, mut lower, mut work) = (Seen::NONE, Seen::NONE, Polygons::NONE);
+            upper.look(&a, &frame);
+            lower.look(&b, &frame);
+            upper.face(&a, &frame, -1.0, f64::INFINITY);
+            lower.face(&b, &frame, 1.0, f64::NEG_INFINITY);
+            let mut look = |asked| {
+                let limits = Limits {
+                    level: 1.0,
+                    blend: 1e-3,
+                    wide: 1e-4,
+                    reach: 1.0,
+                    asked,
+                };
+                let mut points = Points::default();
+                let pair = ((&upper, &solids[0].mesh), (&lower, &solids[1].mesh));
+                let all = cover(pair.0, pair.1, &frame, limits, &mut work, &mut points);
+                let depths = points.list().iter().map(|p| p.depth);
+                (
+                    all.least,
+                    points.count(),
+                    depths.fold(f64::NEG_INFINITY, f64::max),
+                )
+            };
+            let (least, count, _) = look(Asked::Least);
+            let (expected, all, deepest) = look(Asked::All);
+            assert!(count == 0 && all > 20, "{count} {all}");
+            assert!(
+                least.to_bits() == expected.to_bits() && least <= 1e-12 - deepest,
+                "{least} {expected} {deepest}"
+            );
+        }
     }
 }
