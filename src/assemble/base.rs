@@ -17,6 +17,9 @@ use crate::spatial::Pose;
 const MOUNT: &str = "mount it: --fixed-base, or [robot] base = \"fixed\"; --floating-base says \
                      that it is meant";
 
+/// The link that stands for the world where it is the root.
+const WORLD: &str = "world";
+
 /// Names of what carries a robot about; words may end so (`quadcopter`).
 const CARRIERS: [&str; 9] = [
     "wheel",
@@ -151,6 +154,10 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
         .iter()
         .any(|joint| joint.kind != JointKind::Fixed && on_base[joint.parent.index()]);
     let name = &robot.links[0].name;
+    let hung = robot.joints.iter().zip(&robot.lines.joints);
+    let hung = hung.filter(|(joint, _)| joint.kind == JointKind::Fixed);
+    let mut hung = hung.filter(|(joint, _)| robot.links[joint.child.index()].name == WORLD);
+    let hung = hung.next().map(|(joint, line)| (joint.name.clone(), *line));
     // PyBullet's plane, tables, trays: without mass, what stands alone stands still.
     let scenery = !has_moving_child && robot.links.iter().all(|link| link.inertia.mass <= 0.0);
     if scenery && settings.base == BaseChoice::Auto {
@@ -164,7 +171,7 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
             X_RB: Pose::IDENTITY,
         };
     }
-    let reason = if name == "world" {
+    let reason = if name == WORLD {
         Some("the root link is named 'world'".to_owned())
     } else if robot.stands_still && has_moving_child {
         Some("its <gazebo> says <static>; its joints can move here".to_owned())
@@ -196,6 +203,17 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
                 );
                 let place = joint.name.place.clone();
                 findings.warning("A107", place, message, MOUNT);
+            } else if let Some((joint, line)) = hung {
+                let message = format!(
+                    "the base '{name}' is floating, because the link '{WORLD}' is the child of joint \
+                     '{joint}', not its parent"
+                );
+                let help = format!(
+                    "exchange <parent> and <child> of joint '{joint}', if the robot is bolted down, or \
+                     {MOUNT}"
+                );
+                let place = findings.line(line);
+                findings.warning("A107", place, message, &help);
             } else if settings.mounting.is_none()
                 && has_moving_child
                 && let Some(why) = seems_bolted(robot, &on_base)

@@ -179,7 +179,36 @@ pub fn or_meant(path: &Path, error: &std::io::Error) -> String {
 
 /// ` did you mean 'x'?`, or nothing.
 pub(crate) fn did_you_mean<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> String {
-    nearest(word, known).map_or_else(String::new, |k| format!("did you mean '{k}'?"))
+    nearest(word, known).map_or_else(String::new, |near| {
+        let strange = strange(word, near).map(|strange| format!(" {strange}"));
+        format!("did you mean '{near}'?{}", strange.unwrap_or_default())
+    })
+}
+
+/// Which character of a word may be what nobody sees: one that does not show, or that looks like a
+/// letter or a digit of ASCII. `meant` has it if it is right.
+pub(crate) fn strange(word: &str, meant: &str) -> Option<String> {
+    let plain = |c: char| c.is_ascii() && !c.is_control();
+    let mut letters = (1..).zip(word.chars());
+    let (place, c) = letters.find(|(_, c)| !plain(*c) && !meant.contains(*c))?;
+    Some(format!(
+        "character {place} of '{}' is {}",
+        escaped(word),
+        code(c)
+    ))
+}
+
+/// A character by its number in Unicode.
+pub(crate) fn code(c: char) -> String {
+    format!("U+{:04X}", u32::from(c))
+}
+
+/// A text in which every character shows.
+fn escaped(text: &str) -> String {
+    let shown = |c: char| c.is_alphanumeric() || c.is_ascii_graphic();
+    let letters = text.chars();
+    let letters = letters.map(|c| if shown(c) { c.to_string() } else { code(c) });
+    letters.collect()
 }
 
 /// The candidate that looks most like `name`, however far it is.
@@ -213,5 +242,29 @@ mod tests {
         assert_eq!(nearest("B", ["a", "b"]), Some("b"));
         assert_eq!(nearest("Hinge", ["fixed", "revolute"]), Some("revolute"));
         assert_eq!(nearest("hinge", known), None);
+    }
+
+    #[test]
+    fn what_does_not_show_in_a_word_is_named() {
+        let known = ["collision", "größe"];
+        for (word, told) in [
+            (
+                "coll\u{200b}ision",
+                "did you mean 'collision'? character 5 of 'collU+200Bision' is U+200B",
+            ),
+            (
+                "collision\u{a0}",
+                "did you mean 'collision'? character 10 of 'collisionU+00A0' is U+00A0",
+            ),
+            (
+                "c\u{43e}llision",
+                "did you mean 'collision'? character 2 of 'c\u{43e}llision' is U+043E",
+            ),
+            ("grösse", "did you mean 'größe'?"),
+            ("colision", "did you mean 'collision'?"),
+        ] {
+            assert_eq!(did_you_mean(word, known), told, "{word:?}");
+        }
+        assert_eq!(strange("1.5", ""), None);
     }
 }

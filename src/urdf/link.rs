@@ -227,7 +227,8 @@ pub(super) fn geometries<'d>(scope: &mut Scope, node: Node<'d>) -> Vec<Geometry<
         return Vec::new();
     };
     scope.no_text(geometry);
-    let mut shapes: Vec<Node> = Vec::new();
+    let own = |child: &Node| child.name().starts_with("drake:");
+    let mut others: Vec<Node> = Vec::new();
     for child in geometry.children() {
         if child.name() == "origin" {
             let message = "<origin> inside <geometry> is not used";
@@ -236,14 +237,16 @@ pub(super) fn geometries<'d>(scope: &mut Scope, node: Node<'d>) -> Vec<Geometry<
             continue;
         }
         // Some exporters write materials here.
-        if child.name() != "material" && !child.name().contains(':') {
-            shapes.push(child);
+        if child.name() == "material" || !own(&child) && scope.prefixed(child, &SHAPES) {
+            continue;
         }
+        others.push(child);
     }
     // What another program adds to a shape, or its own shape: `<drake:capsule>`.
+    let plain = |child: &&Node| !child.name().contains(':');
+    let mut shapes: Vec<Node> = others.iter().filter(plain).copied().collect();
     if shapes.is_empty() {
-        let prefixed = |child: &Node| child.name().contains(':');
-        shapes.extend(geometry.children().filter(prefixed));
+        shapes = others;
     }
     if shapes.is_empty() {
         let help = format!(

@@ -5,7 +5,7 @@
 
 use super::checked::{CheckedJoint, CheckedLink, CheckedRobot, LinkReference, Order, Surface};
 use super::scope::Scope;
-use crate::diagnostic::words::nearest;
+use crate::diagnostic::words::did_you_mean;
 use crate::model::JointKind;
 use crate::spatial::Vec3;
 use std::collections::{HashMap, HashSet};
@@ -72,10 +72,10 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
                 let known = known.map(|link| link.name);
                 // Not the link on the joint's other side.
                 let known = known.filter(|name| !own.contains(&Some(name)));
-                let help = match nearest(reference.name, known) {
-                    Some(near) => format!("did you mean '{near}'?"),
-                    None => declared(reference.name, what, &unknown, rootless),
-                };
+                let mut help = did_you_mean(reference.name, known);
+                if help.is_empty() {
+                    help = declared(reference.name, what, &unknown, rootless);
+                }
                 if told {
                     scope.problem("U016", reference.at.clone(), &message, help);
                 } else {

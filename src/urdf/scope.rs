@@ -6,7 +6,7 @@ use super::numbers::{MOST_WORDS, Unread, parse, without_optenv};
 use super::options::{ImpossibleInertia, MissingMass};
 use super::xml::{Attribute, Node};
 use crate::diagnostic::angles;
-use crate::diagnostic::words::did_you_mean;
+use crate::diagnostic::words::{code, did_you_mean, strange};
 use crate::diagnostic::{Report, Severity, times};
 use crate::range as physical;
 use crate::spatial::{Mat3, Vec3, rpy_from_rotation};
@@ -24,6 +24,9 @@ const XACRO: [&str; 7] = [
     "unless",
     "insert_block",
 ];
+
+/// What is told as a unit behind a number.
+const UNITS_ABOVE_ASCII: &str = "°²³";
 
 /// Warnings of which many that are alike become one. Of the others, such as an inertia that is
 /// replaced, it matters which links they are about.
@@ -219,6 +222,9 @@ impl<'r, 'a> Scope<'r, 'a> {
                     let others = bad[1..].iter().map(|word| format!(", nor is '{word}'"));
                     let others: String = others.collect();
                     let message = format!("<{}> {name}: '{word}' is {what}{others}", node.name());
+                    let strange =
+                        strange(word, UNITS_ABOVE_ASCII).map(|told| told + ": write it in ASCII");
+                    let help = strange.unwrap_or_else(|| help.to_owned());
                     self.problem(code, attribute.at.clone(), &message, help);
                     return None;
                 }
@@ -328,8 +334,20 @@ impl<'r, 'a> Scope<'r, 'a> {
             "a comment is written <!-- … -->, and ends at the first -->; all elements outside of it \
              are read"
         };
-        let line = shown(text.lines().next().unwrap_or_default().trim_end());
+        let line = shown(
+            text.split(['\n', '\r'])
+                .next()
+                .unwrap_or_default()
+                .trim_end(),
+        );
         let message = format!("text in <{}> is ignored: '{line}'", node.name());
+        let help = match text.chars().find(|c| c.is_control()) {
+            Some(c) if text.starts_with(c) => format!(
+                "remove the control character {}: strict XML readers refuse the file",
+                code(c)
+            ),
+            _ => help.to_owned(),
+        };
         self.warning("U019", at.start..at.start + line.len(), &message, help);
     }
 
@@ -343,6 +361,9 @@ impl<'r, 'a> Scope<'r, 'a> {
                 let message = format!("<{name}> is not followed: what it includes is missing here");
                 let help = "put the file's contents in its place, as xmllint --xinclude does";
                 self.warning("U022", child.name_at(), &message, help);
+                continue;
+            }
+            if self.prefixed(child, known) {
                 continue;
             }
             if foreign.contains(&name) || name.contains(':') {
@@ -359,6 +380,19 @@ impl<'r, 'a> Scope<'r, 'a> {
             };
             self.unknown(child, help);
         }
+    }
+
+    /// Warns of an element with a prefix in the place of one of `known`: it is one of another
+    /// language, whatever its name is; tells whether it is one.
+    pub(super) fn prefixed(&mut self, child: Node, known: &[&str]) -> bool {
+        let own = child.local_name();
+        let name = child.name();
+        let wrong = name != own && known.contains(&own) && !name.starts_with("xacro:");
+        if wrong {
+            let help = format!("elements of URDF have no prefix: write <{own}>, if it is meant");
+            self.unknown(child, help);
+        }
+        wrong
     }
 
     fn unknown(&mut self, child: Node, help: String) {

@@ -147,7 +147,7 @@ impl<'d> Node<'d> {
     pub(super) fn first_text(self) -> Option<(&'d str, Range<usize>)> {
         self.element().content.iter().find_map(|part| {
             let text = &self.document.text[part.clone()];
-            let solid = text.trim_matches(|c: char| c.is_whitespace() || c == '\0');
+            let solid = text.trim_matches(|c: char| c.is_whitespace() && !is_forbidden(c));
             let start = part.start + text.find(solid)?;
             (!solid.is_empty()).then_some((solid, start..start + solid.len()))
         })
@@ -189,6 +189,11 @@ impl<'d> Node<'d> {
             Some(next)
         })
     }
+}
+
+/// Control characters that XML 1.0 has nowhere (2.2).
+pub(super) fn is_forbidden(c: char) -> bool {
+    c.is_ascii_control() && !matches!(c, '\t' | '\n' | '\r')
 }
 
 /// Characters that names must not have: XML forbids most of them, and none of them shows.

@@ -167,3 +167,18 @@ fn the_virtual_joint_of_an_srdf_says_whether_the_base_is_bolted_down() {
     assert!(!built.model.is_floating());
     assert_eq!(note(&built, "A107").severity, Severity::Note);
 }
+
+#[test]
+fn a_world_that_hangs_on_the_robot_is_told_with_the_exchange_that_bolts_it_down() {
+    let description = with_limbs("box", &[&["lid"], &["=world"]]);
+    let built = assembled(&description, "");
+    let found = note(&built, "A107");
+    assert_eq!(found.severity, Severity::Warning, "{}", found.message);
+    assert!(found.message.contains("'world_joint', not its parent"));
+    let help = found.help.as_deref().expect("advice");
+    assert!(help.contains("exchange <parent> and <child> of joint 'world_joint'"));
+    assert!(!has(
+        &assembled(&description, "robot.base = \"floating\""),
+        "A107"
+    ));
+}

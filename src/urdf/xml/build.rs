@@ -6,8 +6,9 @@
 //! Over 500 lines because each construct that is no XML has its finding and its recovery beside the
 //! one that is.
 
-use super::{Attribute, Document, Element, HARDWARE};
+use super::{Attribute, Document, Element, HARDWARE, is_forbidden};
 use crate::diagnostic::Report;
+use crate::diagnostic::words::{code, strange};
 use quick_xml::Reader;
 use quick_xml::errors::{Error, SyntaxError};
 use quick_xml::escape::{self, EscapeError};
@@ -249,7 +250,9 @@ impl<'t> Builder<'t> {
                 let line = report.line(begins);
                 let message =
                     format!("not XML: expected `</{expected}>`, but `</{name}>` was found");
-                let help = format!("<{expected}> of line {line} is still open");
+                let odd = strange(name, expected).or_else(|| strange(expected, name));
+                let odd = odd.map_or_else(String::new, |odd| format!("; {odd}"));
+                let help = format!("<{expected}> of line {line} is still open{odd}");
                 report.error("U003", at, message, help);
             }
             let meant = |&&open: &&usize| self.name(open) == name;
@@ -343,7 +346,8 @@ impl<'t> Builder<'t> {
             return;
         }
         let text = &self.text[at.clone()];
-        let solid = text.trim_matches(|c: char| c.is_whitespace() || c == '\0' || c == '\u{feff}');
+        let blank = |c: char| c.is_whitespace() || is_forbidden(c) || c == '\u{feff}';
+        let solid = text.trim_matches(blank);
         if !solid.is_empty() {
             if std::mem::replace(&mut self.unmatched, true) {
                 return;
@@ -354,11 +358,16 @@ impl<'t> Builder<'t> {
             report.error("U003", from..from + solid.len(), what, help);
             return;
         }
-        if let Some(zero) = text.find('\0') {
+        if let Some(found) = text.find(is_forbidden) {
+            let found = at.start + found;
+            let code = self.text[found..]
+                .chars()
+                .next()
+                .map_or_else(String::new, code);
             report.warning(
                 "U008",
-                at.start + zero..at.start + zero + 1,
-                "a NUL byte outside the root element",
+                found..found + 1,
+                format!("a control character, {code}, outside the root element"),
                 "remove it: strict XML readers refuse the file",
             );
         }
