@@ -137,9 +137,10 @@ fn init(args: &Init) -> Result<(), CliError> {
         "an FMU: init takes the URDF that it was made from",
     )?;
     let target = text_target(args.output.as_deref(), &args.urdf)?;
-    let kind = match args.ssv {
-        true => ["start values", "ssv"],
-        false => ["settings", "toml"],
+    let kind = if args.ssv {
+        ["start values", "ssv"]
+    } else {
+        ["settings", "toml"]
     };
     refuse_ending(args.output.as_ref(), "--output", kind)?;
     if args.ssv {

@@ -404,7 +404,9 @@ impl Surroundings {
                 let place = object.place.as_ref();
                 match terrain::shape(object.called(), settings, place) {
                     Ok((shape, files)) => {
-                        files.iter().for_each(|file| self.source(file));
+                        for file in &files {
+                            self.source(file);
+                        }
                         let rpy = &object.initial.rpy;
                         self.tell(terrain::findings(object.called(), &shape, rpy, place));
                         Some(assemble::solid(object.called(), &shape, 0.0))

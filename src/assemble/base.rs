@@ -130,17 +130,7 @@ fn seems_bolted(robot: &Robot, on_base: &[bool]) -> Option<String> {
 
 /// Decides whether the base is fixed or floating; leaves out a root that only stands for the world.
 pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut Findings) -> Base {
-    let root_joints = || {
-        robot
-            .joints
-            .iter()
-            .filter(|joint| joint.parent.index() == 0)
-    };
-    let root_is_world = robot.links[0].inertia.mass <= 0.0
-        && robot.shapes[0].is_empty()
-        && root_joints().count() == 1
-        && root_joints().all(|joint| joint.kind == JointKind::Floating);
-    if root_is_world {
+    if root_is_world(robot) {
         return leave_out_root(robot, settings, findings);
     }
     let on_base = base_links(robot);
@@ -154,10 +144,6 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
         .iter()
         .any(|joint| joint.kind != JointKind::Fixed && on_base[joint.parent.index()]);
     let name = &robot.links[0].name;
-    let hung = robot.joints.iter().zip(&robot.lines.joints);
-    let hung = hung.filter(|(joint, _)| joint.kind == JointKind::Fixed);
-    let mut hung = hung.filter(|(joint, _)| robot.links[joint.child.index()].name == WORLD);
-    let hung = hung.next().map(|(joint, line)| (joint.name.clone(), *line));
     // PyBullet's plane, tables, trays: without mass, what stands alone stands still.
     let scenery = !has_moving_child && robot.links.iter().all(|link| link.inertia.mass <= 0.0);
     if scenery && settings.base == BaseChoice::Auto {
@@ -203,7 +189,7 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
                 );
                 let place = joint.name.place.clone();
                 findings.warning("A107", place, message, MOUNT);
-            } else if let Some((joint, line)) = hung {
+            } else if let Some((joint, line)) = hung_world(robot) {
                 let message = format!(
                     "the base '{name}' is floating, because the link '{WORLD}' is the child of joint \
                      '{joint}', not its parent"
@@ -238,6 +224,27 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
         motion: if fixed { Motion::Welded } else { Motion::Free },
         X_RB: Pose::IDENTITY,
     }
+}
+
+/// Whether the root is no body: it has neither mass nor shape, and one floating joint hangs on it.
+fn root_is_world(robot: &Robot) -> bool {
+    let joints = robot.joints.iter();
+    let mut on_root = joints.filter(|joint| joint.parent.index() == 0);
+    robot.links[0].inertia.mass <= 0.0
+        && robot.shapes[0].is_empty()
+        && on_root
+            .next()
+            .is_some_and(|joint| joint.kind == JointKind::Floating)
+        && on_root.next().is_none()
+}
+
+/// The fixed joint whose child is the link `world`, and its line.
+fn hung_world(robot: &Robot) -> Option<(String, usize)> {
+    let joints = robot.joints.iter().zip(&robot.lines.joints);
+    let mut hung = joints.filter(|(joint, _)| {
+        joint.kind == JointKind::Fixed && robot.links[joint.child.index()].name == WORLD
+    });
+    hung.next().map(|(joint, line)| (joint.name.clone(), *line))
 }
 
 /// Drops the root and its floating joint: the child becomes the base.

@@ -20,7 +20,9 @@ pub fn matching(folder: &Path, path: &str) -> Vec<PathBuf> {
                 .flat_map(|in_it| within(in_it, &glob))
                 .collect();
         } else {
-            found.iter_mut().for_each(|path| path.push(part));
+            for path in &mut found {
+                path.push(part);
+            }
         }
     }
     found.retain(|path| path.exists());
