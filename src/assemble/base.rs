@@ -128,9 +128,41 @@ fn seems_bolted(robot: &Robot, on_base: &[bool]) -> Option<String> {
     ))
 }
 
+/// Warns of a link that stands for the world and hangs on a fixed joint, which fixes no base; tells
+/// whether there is one.
+fn world_hangs(robot: &Robot, findings: &mut Findings) -> bool {
+    let mut joints = robot.joints.iter().zip(&robot.lines.joints);
+    let found = joints.find(|(joint, _)| {
+        joint.kind == JointKind::Fixed && robot.links[joint.child.index()].name == WORLD
+    });
+    if let Some((joint, line)) = found {
+        let (name, base) = (&joint.name, &robot.links[0].name);
+        let message = format!(
+            "the base '{base}' is floating, because the link '{WORLD}' is the child of joint \
+             '{name}', not its parent"
+        );
+        let help = format!(
+            "exchange <parent> and <child> of joint '{name}', if the robot is bolted down, or {MOUNT}"
+        );
+        let place = findings.line(*line);
+        findings.warning("A107", place, message, &help);
+    }
+    found.is_some()
+}
+
 /// Decides whether the base is fixed or floating; leaves out a root that only stands for the world.
 pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut Findings) -> Base {
-    if root_is_world(robot) {
+    let root_joints = || {
+        robot
+            .joints
+            .iter()
+            .filter(|joint| joint.parent.index() == 0)
+    };
+    let root_is_world = robot.links[0].inertia.mass <= 0.0
+        && robot.shapes[0].is_empty()
+        && root_joints().count() == 1
+        && root_joints().all(|joint| joint.kind == JointKind::Floating);
+    if root_is_world {
         return leave_out_root(robot, settings, findings);
     }
     let on_base = base_links(robot);
@@ -189,17 +221,8 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
                 );
                 let place = joint.name.place.clone();
                 findings.warning("A107", place, message, MOUNT);
-            } else if let Some((joint, line)) = hung_world(robot) {
-                let message = format!(
-                    "the base '{name}' is floating, because the link '{WORLD}' is the child of joint \
-                     '{joint}', not its parent"
-                );
-                let help = format!(
-                    "exchange <parent> and <child> of joint '{joint}', if the robot is bolted down, or \
-                     {MOUNT}"
-                );
-                let place = findings.line(line);
-                findings.warning("A107", place, message, &help);
+            } else if world_hangs(robot, findings) {
+                // Told.
             } else if settings.mounting.is_none()
                 && has_moving_child
                 && let Some(why) = seems_bolted(robot, &on_base)
@@ -224,27 +247,6 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
         motion: if fixed { Motion::Welded } else { Motion::Free },
         X_RB: Pose::IDENTITY,
     }
-}
-
-/// Whether the root is no body: it has neither mass nor shape, and one floating joint hangs on it.
-fn root_is_world(robot: &Robot) -> bool {
-    let joints = robot.joints.iter();
-    let mut on_root = joints.filter(|joint| joint.parent.index() == 0);
-    robot.links[0].inertia.mass <= 0.0
-        && robot.shapes[0].is_empty()
-        && on_root
-            .next()
-            .is_some_and(|joint| joint.kind == JointKind::Floating)
-        && on_root.next().is_none()
-}
-
-/// The fixed joint whose child is the link `world`, and its line.
-fn hung_world(robot: &Robot) -> Option<(String, usize)> {
-    let joints = robot.joints.iter().zip(&robot.lines.joints);
-    let mut hung = joints.filter(|(joint, _)| {
-        joint.kind == JointKind::Fixed && robot.links[joint.child.index()].name == WORLD
-    });
-    hung.next().map(|(joint, line)| (joint.name.clone(), *line))
 }
 
 /// Drops the root and its floating joint: the child becomes the base.

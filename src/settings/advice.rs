@@ -46,8 +46,21 @@ pub(super) fn quoted(name: &str, text: &str) -> String {
     }
 }
 
+/// The tables that have a key of this name.
+fn tables_of(name: &str) -> impl Iterator<Item = &'static str> {
+    let pairs = keys::KEYS
+        .iter()
+        .filter_map(|key| key.path.rsplit_once('.'));
+    pairs
+        .filter(move |(_, last)| *last == name)
+        .map(|(table, _)| table)
+}
+
 /// What a key may mean that is none of `known`.
-pub(super) fn key(name: &str, known: &[&str]) -> String {
+///
+/// - `unknown`: all such keys of its table: where a header is missing, they belong together
+/// - `is_table`: whether its value is one
+pub(super) fn key(name: &str, known: &[&str], unknown: &[&str], is_table: bool) -> String {
     let one_of_many = |known: &&&str| {
         known.strip_suffix('s') == Some(name) || name.strip_suffix('s') == Some(known)
     };
@@ -59,13 +72,21 @@ pub(super) fn key(name: &str, known: &[&str]) -> String {
         return format!("did you mean '{own}'? {all}");
     }
     // The same key in another table is likelier meant than another key here.
-    for key in keys::KEYS {
-        match key.path.rsplit_once('.') {
-            Some((table, last)) if last == name => {
-                return format!("'{last}' belongs into {}", shown(table));
-            }
-            _ => {}
-        }
+    let tables: Vec<&str> = tables_of(name).filter(|_| !is_table).collect();
+    let of_all = |table: &&str| {
+        let elsewhere = unknown.iter().filter(|key| tables_of(key).next().is_some());
+        let mut elsewhere = elsewhere.copied();
+        elsewhere.all(|key| tables_of(key).any(|other| other == *table))
+    };
+    let mut meant: Vec<&str> = tables.iter().copied().filter(of_all).collect();
+    if meant.is_empty() {
+        meant = tables;
+    }
+    if let Some((last, others)) = meant.split_last() {
+        let others: Vec<String> = others.iter().copied().map(shown).collect();
+        let or = if others.is_empty() { "" } else { " or " };
+        let others = others.join(", ");
+        return format!("'{name}' belongs into {others}{or}{}", shown(last));
     }
     // So is a table inside of another one.
     let mut paths = keys::KEYS.iter().map(|key| key.path);
@@ -83,6 +104,13 @@ pub(super) fn key(name: &str, known: &[&str]) -> String {
         // A guess that is far away would mislead.
         None => all,
     }
+}
+
+/// Whether a comma stands between two digits outside of a list.
+fn is_decimal_comma(before: &str, rest: &str) -> bool {
+    let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
+    let behind = rest.strip_prefix(',');
+    digit(before.chars().next_back()) && behind.is_some_and(|rest| digit(rest.chars().next()))
 }
 
 /// Such as `1/240`.
@@ -110,9 +138,14 @@ pub(super) fn called_number(rest: &str) -> Option<(String, String)> {
 
 /// The message and the advice for text that is no TOML.
 ///
-/// - `found`: the text; `message`: what the parser says of it
-pub(super) fn syntax(found: &str, message: &str) -> (String, String) {
+/// - `found`: the text, `before`, `rest`: what stands before it, and what begins with it
+/// - `message`: what the parser says of it
+pub(super) fn syntax(found: &str, (before, rest): (&str, &str), message: &str) -> (String, String) {
     let word = found.trim();
+    if is_decimal_comma(before, rest) {
+        let help = "the decimal sign is a point, and several numbers are a list: [1, 2]";
+        return (message.to_owned(), help.to_owned());
+    }
     let is_word = word.starts_with(|c: char| c.is_alphabetic() || c == '_')
         && word
             .chars()
@@ -159,8 +192,12 @@ fn habit(word: &str, message: &str) -> &'static str {
     let number = ["mantissa", "fraction", "float", "leading zero"];
     if word.contains(['“', '”', '„', '‘', '’', '`']) {
         "write straight quotes: \"…\""
-    } else if word.starts_with("//") || word.starts_with(';') {
-        "a comment begins with #"
+    } else if word.starts_with("//") || word.ends_with(';') && word.len() < 2 {
+        "a comment begins with #, and nothing ends a line"
+    } else if word.ends_with(';') {
+        "leave the ; out: nothing ends a line"
+    } else if word.is_empty() && message.contains("quoted") {
+        "the value is missing: write one behind =, or leave the key out"
     } else if word.starts_with('*') {
         "a name with signs in it stands in quotes, as in [joint.\"*\"]"
     } else if word.starts_with(':') {
@@ -172,4 +209,16 @@ fn habit(word: &str, message: &str) -> &'static str {
     } else {
         "the file must be TOML 1.0"
     }
+}
+
+/// The article of a noun.
+pub(super) fn article(noun: &str) -> &'static str {
+    let vowel = noun.starts_with(['a', 'e', 'i', 'o', 'u']);
+    if vowel { "an" } else { "a" }
+}
+
+/// Words of which one is expected.
+pub(super) fn one_of(words: &[&str]) -> String {
+    let quoted: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
+    quoted.join(" or ")
 }

@@ -150,8 +150,9 @@ impl<'a> Reader<'a> {
             let span = error.span().unwrap_or(0..0);
             let found = self.text.get(span.clone()).unwrap_or_default();
             let rest = self.text.get(span.start..).unwrap_or_default();
+            let around = (&self.text[..self.text.len() - rest.len()], rest);
             let (message, help) = advice::called_number(rest)
-                .unwrap_or_else(|| advice::syntax(found, error.message()));
+                .unwrap_or_else(|| advice::syntax(found, around, error.message()));
             self.error("S101", &span, message, help);
         }
         self.section("", table.get_ref(), table.span())
@@ -168,6 +169,8 @@ impl<'a> Reader<'a> {
             ..Section::default()
         };
         let known = keys::children(path);
+        let names = pairs.iter().map(|(name, _)| -> &str { name.get_ref() });
+        let unknown: Vec<&str> = names.filter(|name| !known.contains(name)).collect();
         for (name, value) in pairs {
             let text: &str = name.get_ref();
             let child = if known == ["*"] {
@@ -175,7 +178,10 @@ impl<'a> Reader<'a> {
             } else if known.contains(&text) {
                 section.child(text)
             } else {
-                self.unknown(path, text, &known, &name.span());
+                let is_table = value.get_ref().is_table();
+                let message = format!("unknown key '{text}' in {}", advice::shown(path));
+                let help = advice::key(text, &known, &unknown, is_table);
+                self.error("S102", &name.span(), message, help);
                 section.rejected.push(text.to_owned());
                 continue;
             };
@@ -190,11 +196,6 @@ impl<'a> Reader<'a> {
             }
         }
         section
-    }
-
-    fn unknown(&mut self, path: &str, name: &str, known: &[&str], span: &Span) {
-        let message = format!("unknown key '{name}' in {}", advice::shown(path));
-        self.error("S102", span, message, advice::key(name, known));
     }
 
     fn node(
@@ -250,7 +251,7 @@ impl<'a> Reader<'a> {
         let found = value.get_ref().type_str();
         let message = format!(
             "'{name}' must be {expected}, not {} {found}",
-            article(found)
+            advice::article(found)
         );
         self.error("S103", &value.span(), message, help);
     }
@@ -273,7 +274,7 @@ impl<'a> Reader<'a> {
                 if let Some(word) = value.get_ref().as_str() {
                     self.word(name, words, word, value)
                 } else {
-                    self.wrong_type(name, &one_of(words), value);
+                    self.wrong_type(name, &advice::one_of(words), value);
                     None
                 }
             }
@@ -300,8 +301,18 @@ impl<'a> Reader<'a> {
                 }
             },
             Takes::Count(most) => {
-                let number = self.number(name, Range::Count, false, value)?;
-                if number.fract() == 0.0 && number <= f64::from(most) {
+                let found = value.get_ref();
+                if !found.is_integer() && !found.is_float() {
+                    self.wrong_type(name, "a whole number", value);
+                    return None;
+                }
+                // `1e3` is one, too.
+                let float = found
+                    .as_float()
+                    .and_then(|float| float.as_str().parse().ok());
+                let number: Option<f64> = whole(found).map(f64::from).or(float);
+                let fits = |n: &f64| n.fract() == 0.0 && (1.0..=f64::from(most)).contains(n);
+                if let Some(number) = number.filter(fits) {
                     return Some(Value::Number(number));
                 }
                 let message = format!("'{name}' must be a whole number from 1 to {most}");
@@ -364,7 +375,7 @@ impl<'a> Reader<'a> {
             return Some(Value::Word(word.to_owned()));
         }
         let help = did_you_mean(word, words.iter().copied());
-        let message = format!("'{name}' must be {}, not '{word}'", one_of(words));
+        let message = format!("'{name}' must be {}, not '{word}'", advice::one_of(words));
         self.error("S104", &value.span(), message, help);
         None
     }
@@ -380,7 +391,7 @@ impl<'a> Reader<'a> {
         }
         .to_owned();
         if !words.is_empty() {
-            expected = format!("{} or {expected}", one_of(words));
+            expected = format!("{} or {expected}", advice::one_of(words));
         }
         if let (Some(word), false) = (value.get_ref().as_str(), words.is_empty()) {
             return self.word(name, words, word, value);
@@ -421,7 +432,7 @@ impl<'a> Reader<'a> {
                 Some(array) => format!("'{name}' must have {count} numbers, not {}", array.len()),
                 None => format!(
                     "'{name}' must be a list of {count} numbers, not {} {}",
-                    article(found.type_str()),
+                    advice::article(found.type_str()),
                     found.type_str()
                 ),
             };
@@ -481,14 +492,4 @@ impl<'a> Reader<'a> {
             }
         }
     }
-}
-
-fn article(noun: &str) -> &'static str {
-    let vowel = noun.starts_with(['a', 'e', 'i', 'o', 'u']);
-    if vowel { "an" } else { "a" }
-}
-
-fn one_of(words: &[&str]) -> String {
-    let quoted: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
-    quoted.join(" or ")
 }

@@ -186,7 +186,10 @@ fn check_keys(reader: &mut Reader, section: &Section, word: &str) {
         ("fov", "rays", "one ray"),
         ("vertical_fov", "rows", "one row"),
     ] {
-        if let (None | Some(1), Some(entry)) = (whole(section, count), section.entry(angle)) {
+        let told = is_rejected(section, count);
+        if let (None | Some(1), Some(entry), false) =
+            (whole(section, count), section.entry(angle), told)
+        {
             let message = format!("'{angle}' has no meaning for {what}");
             let help = format!("set {count}, too");
             reader.error("S106", &entry.span.clone(), message, help);

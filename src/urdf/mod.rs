@@ -71,8 +71,8 @@ use scope::Scope;
 use std::path::{Path, PathBuf};
 use xml::Document;
 
-/// Triangles of a mesh file, STL, OBJ, PLY, COLLADA or glTF, in m, and the files beside it that hold
-/// parts of it.
+/// Triangles of a mesh file, STL, OBJ, PLY, COLLADA or glTF, in m, and the files beside it that
+/// hold parts of it.
 ///
 /// # Errors
 /// What is wrong with the file, as the end of a sentence.

@@ -431,3 +431,21 @@ fn parts_and_folders_do_not_depend_on_how_the_file_is_named() {
         assert!(done.err.contains(told), "{named}: {}", done.err);
     }
 }
+
+#[test]
+fn an_include_without_a_name_and_what_is_no_file_are_told_as_what_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = folder.path().join("r.urdf.xacro");
+    fs::write(
+        &robot,
+        "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><link name='l'/>\
+         <xacro:include filename=''/></robot>",
+    )
+    .unwrap();
+    let done = urdf2fmu(["check", text(&robot)]);
+    let told = "<xacro:include>: a file without a name cannot be read";
+    assert!(done.err.contains(told), "{}", done.err);
+    let done = urdf2fmu(["expand", "/dev/null"]);
+    assert_eq!(done.code, 1, "{done:?}");
+    assert!(!done.err.contains("did you mean"), "{}", done.err);
+}

@@ -86,7 +86,10 @@ impl Times {
                 ),
             ));
         }
-        let own = experiment.output_interval.is_some();
+        // An interval that is one is wrong for the times alone.
+        let times = experiment.start_time.is_some() || experiment.stop_time.is_some();
+        let one = interval.is_finite() && interval > 0.0;
+        let own = experiment.output_interval.is_some() || times && one;
         if !(interval.is_finite() && interval > 0.0 && (stop - start) / interval <= MOST_ROWS) {
             return Err(wrong(
                 own,
@@ -366,6 +369,9 @@ mod tests {
             let refused = times("", start, stop, interval).expect_err("no simulation");
             assert!(refused.is_usage(), "{refused}");
         }
+        // Doubles near 2e12 are 2.4e-4 apart, and rows of 0.004 s are too many.
+        let refused = times("stepSize='0.004'", 1e12, 2e12, NONE).expect_err("no simulation");
+        assert!(refused.is_usage(), "{refused}");
     }
 
     /// Doubles near 1e10 are 1.9e-6 apart.

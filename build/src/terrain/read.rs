@@ -4,6 +4,7 @@ use super::npy;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use urdf2fmu_core::diagnostic::words::or_meant;
 use urdf2fmu_core::encoding;
 use urdf2fmu_core::geometry::field::MOST_SAMPLES;
 use urdf2fmu_core::urdf::LFS_POINTER;
@@ -47,7 +48,8 @@ pub(super) fn heights(path: &Path) -> Result<Table, Wrong> {
         return Err(unread("it is not a file".to_owned()));
     }
     let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|error| unread(error.to_string()))?;
+    let file = File::open(path);
+    let file = file.map_err(|error| unread(format!("{error}{}", or_meant(path, &error))))?;
     file.take(LARGEST_FILE + 1)
         .read_to_end(&mut bytes)
         .map_err(|error| unread(error.to_string()))?;
@@ -194,6 +196,11 @@ fn table(bytes: &[u8]) -> Result<Table, Wrong> {
             line.split_whitespace().collect()
         };
         for (column, part) in separated.iter().enumerate() {
+            // Some programs write all cells in quotes.
+            let inner = part
+                .strip_prefix('"')
+                .and_then(|part| part.strip_suffix('"'));
+            let part = inner.unwrap_or(part);
             let number: f64 = part.parse().map_err(|_| {
                 let message = format!(
                     "line {}, column {}: '{part}' is no number",

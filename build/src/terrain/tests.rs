@@ -86,7 +86,7 @@ fn heights_are_read_from_images_tables_and_arrays() {
         [1.0, 32768.0 / 65535.0, 0.0, 1.0 / 65535.0]
     );
 
-    let table = "# heights in m\n0.5, 1, 1.5\n-2, 2.5e-1, 3,\n\n";
+    let table = "# heights in m\n0.5, \"1\", 1.5\n-2, 2.5e-1, 3,\n\n";
     let samples = heights_of(at("c.csv", table.as_bytes()), Some(2.0)).unwrap();
     assert_eq!(samples.heights, [1.0, 2.0, 3.0, -4.0, 0.5, 6.0]);
     let samples = heights_of(at("d.txt", b"1 2\n3\t4\n"), None).unwrap();
@@ -210,6 +210,8 @@ fn files_without_usable_heights_are_errors_that_say_why() {
     let pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n";
     let error = heights_of(write(folder.path(), "lfs.png", pointer), None).unwrap_err();
     assert!(error.message.contains("Git LFS"), "{error:?}");
+    let error = heights_of(folder.path().join("lfss.png"), None).unwrap_err();
+    assert!(error.message.contains("did you mean"), "{error:?}");
 }
 
 #[test]

@@ -341,8 +341,12 @@ impl<'f> Expansion<'f> {
                     if optional {
                         continue;
                     }
+                    let what = match spec.as_str() {
+                        "" => "<xacro:include>:",
+                        _ => "the included file",
+                    };
                     return Err(Problem {
-                        message: format!("the included file {}", problem.message),
+                        message: format!("{what} {}", problem.message),
                         ..problem
                     });
                 }

@@ -129,6 +129,9 @@ fn of_its_name(path: &Path) -> Option<String> {
             let names: BTreeSet<String> = names.collect();
             let own = path.file_name()?.to_string_lossy();
             let near = nearest(&own, names.iter().map(String::as_str))?;
+            if near == own {
+                return None;
+            }
             Some(format!(
                 "did you mean '{}'?",
                 path.with_file_name(near).display()

@@ -29,7 +29,7 @@ impl Samples {
         let fits = nx.min(ny) >= 2
             && nx.saturating_mul(ny) <= MOST_SAMPLES
             && self.heights.len() == nx * ny
-            && self.size.iter().all(|s| *s > 0.0 && *s < 1e6);
+            && self.size.iter().all(|s| *s > 0.0 && *s <= 1e6);
         if !fits {
             return Err(GeometryError::Grid);
         }

@@ -128,3 +128,18 @@ fn peaks_are_found_as_if_all_were_looked_at() {
         }
     }
 }
+
+#[test]
+fn the_greatest_size_is_the_documented_one() {
+    let over = |size: f64| {
+        let (counts, heights) = ([2, 2], vec![0.0; 4]);
+        let size = [size, 1.0];
+        Field::try_from(Samples {
+            size,
+            counts,
+            heights,
+        })
+        .is_ok()
+    };
+    assert!(over(1e6) && !over(1.1e6));
+}

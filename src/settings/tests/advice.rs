@@ -129,3 +129,75 @@ fn points_of_contacts_that_there_are_none_of_are_refused() {
         assert!(Settings::parse(text, "r.toml").is_ok(), "{text}");
     }
 }
+
+/// Where a header is missing, its keys stand below another one and belong together.
+#[test]
+fn keys_below_the_header_of_another_table_are_sent_where_all_of_them_belong() {
+    for (text, key, help) in [
+        (
+            "[fmu]\nmass = 1",
+            "mass",
+            "'mass' belongs into [[world.object]] or [link.\"…\"]",
+        ),
+        (
+            "[fmu]\nfriction = 0.5\ndamping = 1",
+            "friction",
+            "'friction' belongs into [joint.\"…\"]",
+        ),
+        (
+            "[robot]\nfile = \"a.png\"\nsize = [1, 1]\nheight = 2",
+            "size",
+            "'size' belongs into [[world.terrain]]",
+        ),
+        (
+            "[robot]\njoints = { a = 1 }",
+            "joints",
+            "write [initial.joints]",
+        ),
+    ] {
+        let found = Settings::parse(text, "robot.toml").expect_err(text);
+        let of_key = format!("unknown key '{key}'");
+        let told = found.iter().find(|found| found.message.contains(&of_key));
+        let told = told.expect(text).help.as_deref();
+        assert_eq!(told, Some(help), "{text}");
+    }
+}
+
+#[test]
+fn habits_of_other_languages_at_the_end_of_a_value_are_told() {
+    for (value, help) in [
+        (
+            "3,5",
+            "the decimal sign is a point, and several numbers are a list: [1, 2]",
+        ),
+        ("3;", "leave the ; out: nothing ends a line"),
+        ("3.5;", "a comment begins with #, and nothing ends a line"),
+        (
+            "",
+            "the value is missing: write one behind =, or leave the key out",
+        ),
+    ] {
+        let text = format!("[joint.a]\ndamping = {value}\nfriction = 1");
+        let found = finding(&text);
+        assert_eq!(
+            (found.code, found.help.as_deref()),
+            ("S101", Some(help)),
+            "{value}"
+        );
+    }
+}
+
+/// The range is the documented one at the first try, and nothing is told that follows from it.
+#[test]
+fn counts_name_their_whole_range_at_once() {
+    for rays in ["0", "20000", "1.5", "-3", "1e9"] {
+        let text = format!("[[sensor]]\ntype = \"ray\"\nlink = \"a\"\nfov = 1\nrays = {rays}");
+        let found = Settings::parse(&text, "robot.toml").expect_err(&text);
+        let told: Vec<&str> = found.iter().map(|found| found.message.as_str()).collect();
+        assert_eq!(
+            told,
+            ["'rays' must be a whole number from 1 to 10000"],
+            "{rays}"
+        );
+    }
+}
