@@ -23,6 +23,16 @@ def arrays(rows):
     return joined([list(parts)] + [[" ".join(row[i] for i in part) for part in parts.values()] for row in rows[1:]])
 
 
+def with_unit(name):
+    """A name with its unit in brackets: other units are refused."""
+    if name == "time":
+        return f"{name} [s]"
+    # R2D2's arm slides; its other joints turn.
+    if ".position." in name or name == "joint.gripper_extension.position":
+        return f"{name} [m]"
+    return f"{name} [rad]" if name.startswith("joint.") and name.endswith(".position") else name
+
+
 FOREIGN = {
     "arrays of FMI 3": arrays,
     "flat names": lambda rows: joined([[n.replace(".", "_") for n in rows[0]], *rows[1:]]),
@@ -30,6 +40,6 @@ FOREIGN = {
     "any order": lambda rows: joined([row[::-1] for row in rows]),
     "semicolons and decimal commas": lambda rows: joined([[c.replace(".", ",") if i else c for c in row]
                                                           for i, row in enumerate(rows)], ";"),
-    "units": lambda rows: joined([[f"{n} [m]" for n in rows[0]], *rows[1:]]),
+    "units": lambda rows: joined([[with_unit(n) for n in rows[0]], *rows[1:]]),
     "rows in any order": lambda rows: joined([rows[0], *rows[:0:-1]]),
 }
