@@ -47,8 +47,8 @@ pub fn limits(ends: [Option<f64>; 2]) -> Option<Told> {
     let size = |end: &f64| end.abs();
     let largest = ends.iter().flatten().map(size).fold(0.0, f64::max);
     let quarters = largest / std::f64::consts::FRAC_PI_2;
-    // As numbers with four digits are rounded.
-    let even = (quarters - quarters.round()).abs() < 1e-4 * quarters;
+    // As numbers with four digits are rounded; whole ones, such as 355, are not.
+    let even = largest.fract() > 0.0 && (quarters - quarters.round()).abs() < 1e-4 * quarters;
     if even || !LIMITS.contains(&largest) {
         return None;
     }
@@ -77,6 +77,7 @@ mod tests {
             ([-90.0, 90.0], Some(("lower", true))),
             ([-2.0, 166.0], Some(("upper", true))),
             ([-118.0, 120.0], Some(("upper", true))),
+            ([-355.0, 355.0], Some(("lower", true))),
             ([-57.0, 1.0], Some(("lower", true))),
             ([-100.0, 100.0], Some(("lower", false))),
             ([-20.5, 0.0], Some(("lower", false))),
