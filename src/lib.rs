@@ -71,6 +71,7 @@ pub mod digits;
 pub mod dynamics;
 #[cfg(feature = "urdf")]
 pub mod encoding;
+pub mod folder;
 pub mod force;
 pub mod geometry;
 pub mod hash;

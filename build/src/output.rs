@@ -11,6 +11,7 @@ use std::ffi::OsString;
 use std::fs::{FileType, Metadata, Permissions};
 use std::io::{self, ErrorKind, IsTerminal as _, Write};
 use std::path::{Path, PathBuf};
+use urdf2fmu_core::folder;
 
 /// Why something could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -134,7 +135,7 @@ impl Target {
                 });
             }
             let place = end_of_links(path);
-            let folder = folder_of(&place);
+            let folder = folder::of(&place);
             if !folder.is_dir() {
                 let folder = folder.to_owned();
                 return Err(OutputError::Folder {
@@ -218,7 +219,7 @@ impl Target {
             // As for any new file; a temporary file is private by default.
             builder.permissions(Permissions::from_mode(0o666));
         }
-        let mut file = builder.tempfile_in(folder_of(place))?;
+        let mut file = builder.tempfile_in(folder::of(place))?;
         file.write_all(bytes)?;
         if let Some(permissions) = &self.permissions {
             file.as_file().set_permissions(permissions.clone())?;
@@ -243,19 +244,12 @@ fn plain(error: io::Error) -> io::Error {
     }
 }
 
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
-}
-
 /// Where the symbolic links at `path` end; there is nothing yet, so that they end somewhere.
 fn end_of_links(path: &Path) -> PathBuf {
     let mut place = path.to_owned();
     while let Ok(next) = std::fs::read_link(&place) {
         // An absolute one replaces the folder.
-        place = folder_of(&place).join(next);
+        place = folder::of(&place).join(next);
     }
     place
 }

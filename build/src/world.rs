@@ -5,6 +5,7 @@ use crate::{terrain, xacro};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
+use urdf2fmu_core::folder;
 use urdf2fmu_core::model::{JointKind, RootKind};
 use urdf2fmu_core::settings::{
     BaseChoice, ObjectSettings, ObjectSource, RobotSettings, Settings, is_taken,
@@ -79,7 +80,7 @@ pub fn read(
         }
         return urdf::read(path, options).map(|description| (description, None));
     }
-    let folder = folder_of(path);
+    let folder = folder::of(path);
     let name = path.display().to_string();
     let xacro::Expanded {
         text,
@@ -200,16 +201,8 @@ pub fn rest(
     };
     options.packages.extend(packages);
     let name = path.display().to_string();
-    let read = urdf::read_str(&text, &name, folder_of(path), &options);
+    let read = urdf::read_str(&text, &name, folder::of(path), &options);
     Some((read.ok()?, whole))
-}
-
-/// The folder that a file is in.
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    }
 }
 
 /// Reads all that the settings place around the robot. An object that is nothing but a ground

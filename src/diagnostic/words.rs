@@ -1,5 +1,6 @@
 //! Words that a misspelt name may have meant.
 
+use crate::folder;
 use std::path::{Path, PathBuf};
 
 /// Words longer than this, and more candidates than this, are not compared: the work is their
@@ -139,11 +140,9 @@ pub(crate) fn called<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
 
 /// What stands in the folder of a file that is not there, with nearly its name.
 pub fn near_file(path: &Path) -> Option<PathBuf> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let entries = std::fs::read_dir(folder).ok()?.take(MOST_COMPARED.1);
+    let entries = std::fs::read_dir(folder::of(path))
+        .ok()?
+        .take(MOST_COMPARED.1);
     let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
     let mut names: Vec<String> = names.collect();
     // Whatever order the system gives them in.

@@ -61,6 +61,7 @@ pub use srdf::{Semantics, VirtualJoint, read_srdf, read_srdf_str};
 pub use xml::HARDWARE;
 
 use crate::diagnostic::{Diagnostic, Report};
+use crate::folder;
 use crate::spatial::Vec3;
 use faces::MeshError;
 use mesh::MeshFile;
@@ -87,7 +88,7 @@ pub fn read_triangles(path: &Path) -> Result<(Vec<[Vec3; 3]>, Vec<PathBuf>), Str
 /// A mesh that no robot names: its folders are those that a robot in its place would have.
 fn alone(path: &Path) -> Result<MeshFile, MeshError> {
     let options = ReadOptions::default();
-    let resolver = Resolver::new(folder_of(path), &options, None);
+    let resolver = Resolver::new(folder::of(path), &options, None);
     MeshFile::open(path, &|name| resolver.beside(path, name))
 }
 
@@ -99,17 +100,9 @@ fn alone(path: &Path) -> Result<MeshFile, MeshError> {
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Description, Vec<Diagnostic>> {
     let file = path.display().to_string();
     let text = file::text(path).map_err(|finding| vec![*finding])?;
-    let mut description = read_str(&text, &file, folder_of(path), options)?;
+    let mut description = read_str(&text, &file, folder::of(path), options)?;
     description.sources.insert(0, path.to_owned());
     Ok(description)
-}
-
-/// The folder of a file: the present one where it is named without.
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    }
 }
 
 /// A package.

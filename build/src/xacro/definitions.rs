@@ -6,6 +6,7 @@ use super::texts::Texts;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::diagnostic::Place;
+use urdf2fmu_core::folder;
 
 /// How a property begins.
 const PROPERTY: &str = "<xacro:property";
@@ -18,7 +19,7 @@ impl Unread {
     fn all(&mut self, path: &Path, texts: &Texts) -> &BTreeMap<PathBuf, String> {
         self.0.get_or_insert_with(|| {
             let package = folders::package(path);
-            let all = package.as_deref().unwrap_or(folders::of(path));
+            let all = package.as_deref().unwrap_or(folder::of(path));
             let mut files = folders::texts(all, folders::XACRO);
             let read = texts.sources.read.keys();
             for read in read.filter_map(|read| std::path::absolute(read).ok()) {
@@ -76,7 +77,7 @@ pub(super) fn advice(
         let files = (!files.is_empty()).then(|| folders::listed(&files));
         return files.map(|files| format!("include one of the files that define it:\n{files}"));
     };
-    let folder = std::path::absolute(folders::of(path)).ok();
+    let folder = std::path::absolute(folder::of(path)).ok();
     let below = folder.and_then(|folder| file.strip_prefix(folder).ok());
     Some(format!(
         "it is defined in a file that is not included, put before its use: \

@@ -1,7 +1,7 @@
 //! Files that match a path with wildcards.
 
-use super::folders;
 use std::path::{Component, Path, PathBuf};
+use urdf2fmu_core::folder;
 
 /// Signs that make a name of a file a pattern.
 pub const SIGNS: [char; 3] = ['*', '?', '['];
@@ -32,7 +32,7 @@ pub fn matching(folder: &Path, path: &str) -> Vec<PathBuf> {
 
 /// What of a folder has a name that fits.
 fn within(folder: &Path, glob: &str) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folders::present(folder));
+    let entries = std::fs::read_dir(folder::present(folder));
     let names = entries.into_iter().flatten().flatten();
     let names = names.map(|entry| entry.file_name());
     let fitting = names.filter(|name| {

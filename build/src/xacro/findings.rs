@@ -12,6 +12,7 @@ use super::values::{self, Launches};
 use std::collections::BTreeSet;
 use std::path::Path;
 use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity, nearest};
+use urdf2fmu_core::folder;
 
 /// What helps where a macro is nowhere to be found.
 const DEFINE: &str = "define it, or include the file that does";
@@ -124,7 +125,7 @@ fn of_its_name(path: &Path) -> Option<String> {
     let found = folders::namesakes(path);
     match &found[..] {
         [] => {
-            let entries = std::fs::read_dir(folders::of(path)).ok()?.flatten();
+            let entries = std::fs::read_dir(folder::of(path)).ok()?.flatten();
             let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
             let names: BTreeSet<String> = names.collect();
             let own = path.file_name()?.to_string_lossy();

@@ -17,21 +17,6 @@ const DEEPEST: usize = 8;
 /// Largest file that is looked into, bytes.
 const LARGEST: u64 = 4 << 20;
 
-/// A folder, which is the present one where its path is empty: that of a file that is named without
-/// one.
-pub fn present(folder: &Path) -> &Path {
-    if folder.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        folder
-    }
-}
-
-/// The folder of a file.
-pub fn of(file: &Path) -> &Path {
-    present(file.parent().unwrap_or(file))
-}
-
 /// The folder of the package in which a path is, whether or not there is something at it.
 pub fn package(path: &Path) -> Option<PathBuf> {
     let path = std::path::absolute(path).ok()?;

@@ -4,6 +4,7 @@
 use super::folders;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use urdf2fmu_core::folder;
 
 /// What to give in place of a part: nothing, if no file includes it.
 pub fn advice(file: &Path) -> Option<String> {
@@ -23,7 +24,7 @@ fn of(file: &Path) -> Vec<PathBuf> {
     let Some(own) = file.file_name() else {
         return Vec::new();
     };
-    let folder = folders::of(file);
+    let folder = folder::of(file);
     let texts = folders::texts(
         folders::package_of(folder).unwrap_or(folder),
         folders::XACRO,

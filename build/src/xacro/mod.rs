@@ -42,6 +42,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::diagnostic::{Diagnostic, Severity};
 use urdf2fmu_core::encoding::xml_replaced;
+use urdf2fmu_core::folder;
 use urdf2fmu_core::urdf::{self, ReadOptions};
 
 /// Largest file that is looked into for xacro code, bytes.
@@ -143,7 +144,7 @@ pub fn expand(
         .iter()
         .filter_map(|argument| argument.split_once(":="));
     let pairs = pairs.map(|(name, value)| (name.trim().to_owned(), value.trim().to_owned()));
-    let find = urdf::package_finder(folders::of(path), options);
+    let find = urdf::package_finder(folder::of(path), options);
     let mut expansion = Expansion::new(pairs.collect(), &find);
     let shown = command::command_line(path, arguments);
     let note = |message: String| Diagnostic {

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::encoding::xml_text;
+use urdf2fmu_core::folder;
 use urdf2fmu_core::urdf::FoundPackage;
 
 /// What a file is called whose name is empty.
@@ -248,7 +249,7 @@ impl<'f> Sources<'f> {
     /// The folder of the file that is read.
     pub fn folder(&self) -> String {
         let beside = self.beside("");
-        let folder = folders::present(&beside);
+        let folder = folder::present(&beside);
         let folder = std::path::absolute(folder);
         let shown = folder.unwrap_or(beside).display().to_string();
         shown.trim_end_matches('/').to_owned()
