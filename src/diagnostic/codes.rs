@@ -123,6 +123,7 @@ pub const CODES: &[Row] = &[
     ("U071", "A coefficient of a surface that is out of range.", "Correct it."),
     ("U073", "A colour that is not valid.", "Red, green, blue and alpha are 0 … 1."),
     ("U074", "An `<origin>` inside `<geometry>`, where it is not used.", "Move it beside `<geometry>`."),
+    ("U075", "A visual that is more than ten times as large as the rest of the robot: it looks like mm or cm.", "`scale=\"0.001 0.001 0.001\"` in `<mesh>`, or lengths in m."),
     ("U104", "Collision meshes that are not found, once for each package.", "The option that the finding shows where it found them; else `--package NAME=DIR` or `--package-path DIR`."),
     ("U105", "A mesh that cannot be read, or a pointer of Git LFS in its place.", "Export the mesh again; `git lfs pull`."),
     ("U106", "A mesh in a format that is not read.", "Convert it to STL, OBJ, PLY, COLLADA or glTF."),

@@ -7,14 +7,12 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::checked::{CheckedInertial, CheckedRobot, LinkReference, Order, Suspect};
-use super::description::Description;
 use super::options::{ImpossibleInertia, MissingMass};
 use super::scope::Scope;
 use super::xml::Node;
 use crate::model::JointKind;
 use crate::spatial::{Mat3, Pose, RigidInertia, rotation_from_rpy};
 use std::collections::HashMap;
-use std::ops::Range;
 
 /// URDF's order.
 pub(super) const NAMES: [&str; 6] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
@@ -54,14 +52,6 @@ const TRIANGLE: f64 = 1e-3;
 /// Radius of gyration, m, below which a body counts as a point: exporters write round-off such as
 /// 1e-20.
 const POINT: f64 = 1e-6;
-
-/// How many times further out than a link's shapes and joints reach its mass may lie before it is
-/// told: collision shapes are simplified.
-const TOO_FAR: f64 = 3.0;
-
-/// Part of the size of a link's largest shape below which its radius of gyration is told: even a
-/// motor in a light cover has a tenth.
-const TOO_NEAR: f64 = 1.0 / 30.0;
 
 /// The symmetric matrix of six numbers in URDF's order.
 pub(super) fn matrix(i: &[f64; 6]) -> Mat3 {
@@ -329,85 +319,6 @@ fn rigid_bodies(robot: &CheckedRobot, order: &Order) -> Vec<RigidInertia> {
     top.iter().map(|(body, _)| bodies[*body]).collect()
 }
 
-/// Warns of inertias that the link's size contradicts: placeholders such as 1 kg m² on a gripper,
-/// or numbers in another unit. All mass of a body lies within some distance `r` of its centre of
-/// mass, so no moment exceeds `m r²`.
-pub(super) fn compare_with_shapes(
-    scope: &mut Scope,
-    robot: &CheckedRobot,
-    order: &Order,
-    description: &Description,
-) {
-    if scope.impossible_inertia == ImpossibleInertia::Unused {
-        return;
-    }
-    let mut found: Vec<(Range<usize>, String)> = Vec::new();
-    for (i, link) in description.links.iter().enumerate() {
-        let Some(inertial) = link.inertial.filter(|i| i.mass > 0.0) else {
-            continue;
-        };
-        let Some(checked) = &robot.links[order.links[i]].inertial else {
-            continue;
-        };
-        let [_, _, largest] = principal_moments(&inertial.I_cm);
-        let gyration = (largest / inertial.mass).max(0.0).sqrt();
-        let balls = link.collisions.iter().map(|c| {
-            let (center, radius) = c.shape.ball_around();
-            ((c.X_LG.point(&center) - inertial.com).norm(), radius)
-        });
-        let size = balls.clone().map(|(_, radius)| radius).fold(0.0, f64::max);
-        // A point mass has its own finding.
-        if size <= 0.0 || largest <= 0.0 {
-            continue;
-        }
-        let shapes = balls.map(|(away, radius)| away + radius);
-        let joints = description
-            .joints
-            .iter()
-            .filter(|joint| joint.parent == i)
-            .map(|joint| (joint.X_PJ.p - inertial.com).norm());
-        let reach = shapes.chain(joints).fold(inertial.com.norm(), f64::max);
-        let what = if gyration > TOO_FAR * reach {
-            format!("would need its mass {gyration:.3} m from its centre, but reaches {reach:.3} m")
-        } else if gyration < TOO_NEAR * size {
-            format!("would need all its mass within {gyration:.3e} m, but is {size:.3} m large")
-        } else {
-            continue;
-        };
-        let message = format!(
-            "the inertia does not fit the link: with {largest:.4} kg m² and {} kg it {what}",
-            inertial.mass
-        );
-        found.push((
-            checked.at.clone(),
-            format!("link '{}': {message}", link.name),
-        ));
-    }
-    let Some((at, message)) = found.first() else {
-        return;
-    };
-    let others: Vec<String> = found[1..]
-        .iter()
-        .map(|(at, _)| scope.report.line(at.start).to_string())
-        .collect();
-    let mut help = "--inertia collision computes all inertias from the collision shapes".to_owned();
-    if !others.is_empty() {
-        const MOST: usize = 20;
-        let more = others.len().saturating_sub(MOST);
-        let shown = others[..others.len() - more].join(", ");
-        let tail = if more > 0 {
-            format!(" and {more} more")
-        } else {
-            String::new()
-        };
-        let s = if others.len() == 1 { "" } else { "s" };
-        help = format!("the same in line{s} {shown}{tail}\n{help}");
-    }
-    scope
-        .report
-        .warning("U065", at.clone(), message.clone(), help);
-}
-
 /// Whether no moment is negative but for round-off; the moments ascend.
 fn is_possible(moments: &[f64; 3]) -> bool {
     let [smallest, _, largest] = *moments;
@@ -415,7 +326,7 @@ fn is_possible(moments: &[f64; 3]) -> bool {
 }
 
 /// Eigenvalues, ascending.
-fn principal_moments(I: &Mat3) -> [f64; 3] {
+pub(super) fn principal_moments(I: &Mat3) -> [f64; 3] {
     let mut moments: [f64; 3] = I.symmetric_eigen().eigenvalues.into();
     moments.sort_by(f64::total_cmp);
     moments
@@ -437,31 +348,6 @@ fn nearest_physical(I: &Mat3) -> Mat3 {
 mod tests {
     use super::*;
     use crate::spatial::Vec3;
-    use crate::urdf::{ReadOptions, read_str};
-    use std::path::Path;
-
-    /// A cube of 0.1 m whose corners are about (0, 0, 1.25), moved back to its link by `<origin>`,
-    /// as programs for design write meshes in the coordinates of the whole robot. Its own
-    /// inertia, m a²/6, fits; the thousandth of it and a thousand times it do not.
-    #[test]
-    fn meshes_far_from_their_origin_are_as_large_as_they_are() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots");
-        for (moment, fits) in [
-            (1.0 / 600.0, true),
-            (1e-3 / 600.0, false),
-            (1e3 / 600.0, false),
-        ] {
-            let text = format!(
-                "<robot name='r'><link name='a'><inertial><mass value='1'/><inertia ixx='{moment}' \
-                 iyy='{moment}' izz='{moment}' ixy='0' ixz='0' iyz='0'/></inertial><collision>\
-                 <origin xyz='0 0 -1.25'/><geometry><mesh filename='meshes/far_off.obj'/>\
-                 </geometry></collision></link></robot>"
-            );
-            let robot = read_str(&text, "r.urdf", &folder, &ReadOptions::default()).expect("legal");
-            let told = robot.diagnostics.iter().any(|d| d.code == "U065");
-            assert_eq!(told, !fits, "{moment}: {:?}", robot.diagnostics);
-        }
-    }
 
     #[test]
     fn the_nearest_physical_inertia_of_a_body_is_its_own() {

@@ -20,6 +20,7 @@ mod faces;
 mod file;
 mod foreign;
 mod gltf;
+mod gyration;
 mod hulls;
 mod image;
 mod inertia;
@@ -273,8 +274,9 @@ fn describe(
     let mut description = assemble::description(&robot, &order, &meshes, drawn, options.scale)?;
     description.sensors = sensors;
     if !sizes::compare_with_masses(&mut scope, &robot, &order, &description) {
-        inertia::compare_with_shapes(&mut scope, &robot, &order, &description);
+        gyration::compare_with_sizes(&mut scope, &robot, &order, &description);
     }
+    sizes::compare_visuals(&mut scope, &robot, &order, &description, options.scale);
     sizes::compare_origins(&mut scope, &robot, &description, options.scale);
     Some(description)
 }

@@ -1,14 +1,20 @@
-//! Lengths in another unit than m.
+//! Lengths in another unit than m, and how large things are.
 //!
 //! Meshes in mm, as programs for design write them, and whole files in mm make a robot a thousand
 //! times as large, and so a thousand million times less dense. No robot is lighter than the air
 //! that it displaces.
 
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
 use super::checked::{CheckedRobot, Geometry, Order, called};
-use super::description::{Description, LinkDescription, VisualShape};
+use super::description::{
+    Description, JointDescription, LinkDescription, VisualDescription, VisualShape,
+};
 use super::scope::Scope;
 use super::xml::Node;
 use crate::geometry::Shape;
+use crate::model::JointKind;
+use crate::spatial::{Pose, Vec3};
 use std::ops::Range;
 
 /// kg/m³, of air at 15 °C and 1013 hPa. Collision shapes are simplified, but real robots have tens
@@ -117,6 +123,103 @@ pub(super) fn compare_origins(
         scope
             .report
             .warning("U069", first.at.clone(), message, help);
+    }
+}
+
+/// Warns of a visual in mm or cm, in a robot that is else in m: of one that is many times as large
+/// as each collision shape, as the place of each joint, shape and centre of mass is away, and as a
+/// joint slides.
+pub(super) fn compare_visuals(
+    scope: &mut Scope,
+    robot: &CheckedRobot,
+    order: &Order,
+    description: &Description,
+    scale: f64,
+) {
+    let collisions = description.links.iter().flat_map(|link| &link.collisions);
+    let shapes = collisions.map(|c| 2.0 * c.shape.ball_around().1);
+    let origins = origins(robot, scale).into_iter();
+    let origins = origins.filter(|origin| origin.element != "visual");
+    let sliding = |joint: &&JointDescription| joint.kind == JointKind::Prismatic;
+    let slides = description.joints.iter().filter(sliding);
+    let ways = slides.filter_map(|joint| Some(joint.limits?.upper - joint.limits?.lower));
+    let size = shapes
+        .chain(origins.map(|origin| origin.away))
+        .chain(ways)
+        .fold(0.0, f64::max);
+    if size <= 0.0 {
+        return;
+    }
+    let links = order.links.iter().zip(&description.links);
+    let visuals = links.flat_map(|(&i, link)| {
+        let visuals = link.visuals.iter();
+        visuals.map(move |visual| (i, link, visual))
+    });
+    let diameter = |visual| Some(2.0 * drawn_ball(visual, description)?.1);
+    let mut found = visuals.filter_map(|(i, link, visual)| {
+        let large = diameter(visual).filter(|large| *large > FAR * size)?;
+        Some((i, link, visual, large))
+    });
+    let Some((i, link, visual, large)) = found.next() else {
+        return;
+    };
+    let more = match found.count() {
+        0 => String::new(),
+        1 => ", another one likewise".to_owned(),
+        n => format!(", {n} others likewise"),
+    };
+    let message = format!(
+        "link '{}': its <visual> is {large:.1} m large{more}, in a robot some {size:.1} m large: it \
+         looks like mm or cm",
+        link.name
+    );
+    let help = match visual.shape {
+        VisualShape::Mesh { .. } => {
+            "write scale=\"0.001 0.001 0.001\" in <mesh>, if the mesh is in mm; the robot moves as it \
+             is, and pictures show the visual"
+        }
+        VisualShape::Solid(_) => {
+            "lengths are in m; the robot moves as it is, and pictures show the visual"
+        }
+    };
+    let nodes = robot.links[i].node.children_named("visual");
+    let lines = nodes.map(Node::tag_at);
+    let mut at = lines.filter(|at| scope.report.line(at.start) == visual.line);
+    let at = at.next().unwrap_or_else(|| robot.links[i].node.tag_at());
+    scope.report.warning("U075", at, message, help);
+}
+
+/// Centres and radii of balls around the shapes of a link, in its frame, m: those that touch, or
+/// those that are drawn where none touches.
+pub(super) fn balls(link: &LinkDescription, description: &Description) -> Vec<(Vec3, f64)> {
+    let placed = |X: &Pose, (center, radius): (Vec3, f64)| (X.point(&center), radius);
+    if link.collisions.is_empty() {
+        let drawn = link.visuals.iter();
+        return drawn
+            .filter_map(|v| Some(placed(&v.X_LG, drawn_ball(v, description)?)))
+            .collect();
+    }
+    let touching = link.collisions.iter();
+    touching
+        .map(|c| placed(&c.X_LG, c.shape.ball_around()))
+        .collect()
+}
+
+/// Centre and radius of a ball around what is drawn, in its own axes, m; none of a mesh that has
+/// not been read.
+fn drawn_ball(visual: &VisualDescription, description: &Description) -> Option<(Vec3, f64)> {
+    match &visual.shape {
+        VisualShape::Solid(shape) => Some(shape.ball_around()),
+        VisualShape::Mesh { mesh, scale } => {
+            let parts = &description.drawn_meshes[*mesh].parts;
+            let corners = parts.iter().flat_map(|part| &part.corners);
+            let mut corners = corners.map(|corner| corner.component_mul(scale));
+            let first = corners.next()?;
+            let (least, most) = corners.fold((first, first), |(least, most), corner| {
+                (least.inf(&corner), most.sup(&corner))
+            });
+            Some((0.5 * (least + most), 0.5 * (most - least).norm()))
+        }
     }
 }
 
@@ -312,6 +415,41 @@ mod tests {
         assert!(chain(link, 30, 135.0));
         assert!(!chain(link, 30, 0.5));
         assert!(!chain("<sphere radius='0.02'/>", 4, 0.5));
+    }
+
+    /// A cube of 0.1 m, drawn 1000 times as large, 2·√3·50 m, and the mesh of it, at a rail of 30 m
+    /// along which it slides.
+    #[test]
+    fn visuals_in_millimetres_are_told_by_the_size_of_the_rest() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots");
+        let told = |visual: &str, slides: f64| {
+            let text = format!(
+                "<robot name='r'><link name='a'><collision><geometry><box size='0.1 0.1 0.1'/>\
+                 </geometry></collision></link><link name='b'><visual><geometry>{visual}\
+                 </geometry></visual></link><joint name='j' type='prismatic'><parent link='a'/>\
+                 <child link='b'/><limit lower='0' upper='{slides}' effort='1' velocity='1'/>\
+                 </joint></robot>"
+            );
+            let options = ReadOptions {
+                drawn: true,
+                ..ReadOptions::default()
+            };
+            let robot = read_str(&text, "r.urdf", &folder, &options).expect("legal");
+            let mut told = robot.diagnostics.into_iter().filter(|d| d.code == "U075");
+            told.next().map(|d| d.message + &d.help.unwrap_or_default())
+        };
+        assert_eq!(told("<box size='0.1 0.1 0.1'/>", 0.1), None);
+        let text = told("<box size='100 100 100'/>", 0.1).expect("in mm");
+        let start = "link 'b': its <visual> is 173.2 m large, in a robot some 0.2 m large";
+        assert!(text.starts_with(start), "{text}");
+        assert_eq!(told("<box size='30 0.1 0.1'/>", 30.0), None);
+        let mesh = |scale: &str| {
+            let mesh = format!("<mesh filename='meshes/far_off.obj' scale='{scale}'/>");
+            told(&mesh, 0.1)
+        };
+        assert_eq!(mesh("1 1 1"), None);
+        let text = mesh("1000 1000 1000").expect("in mm");
+        assert!(text.contains("scale=\"0.001 0.001 0.001\""), "{text}");
     }
 
     /// Rolling and spinning friction are lever arms, m.
