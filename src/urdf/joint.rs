@@ -242,6 +242,15 @@ fn range(
         scope.warning("U044", node.tag_at(), message, help);
         return None;
     }
+    if let Some(missing) = match given {
+        (true, false) => Some("upper"),
+        (false, true) => Some("lower"),
+        _ => None,
+    } {
+        let message = format!("<limit> has no {missing}: it is 0, as in URDF");
+        let help = format!("write {missing}=\"0\" if that is meant, or the limit in rad or m");
+        scope.note("U044", node.tag_at(), &message, help);
+    }
     let (lower, upper) = (lower.unwrap_or(0.0), upper.unwrap_or(0.0));
     if lower > upper {
         let at = node
