@@ -89,7 +89,7 @@ pub const CODES: &[Row] = &[
     ("U015", "An attribute that must be there is missing.", "Write it."),
     ("U016", "A link that a joint names does not exist. `world` as a parent is taken as the world itself.", "Correct the name; the finding tells the nearest."),
     ("U017", "An element that must be there is missing. An `<inertial>` without `<mass>` counts as none.", "Add it."),
-    ("U018", "An element stands twice, of which the first is used, or several shapes in one `<geometry>`.", "Keep one; write one `<collision>` or `<visual>` for each shape."),
+    ("U018", "An element stands twice, of which the first is used, or the same `<collision>` or `<visual>` twice, which both count, or several shapes in one `<geometry>`.", "Keep one; write one `<collision>` or `<visual>` for each shape."),
     ("U019", "An element, attribute or text that is unknown where it stands, or has the prefix of another language, and is ignored.", "Correct its name, or move it; the finding tells the nearest name, or where it belongs."),
     ("U020", "An element of the file that has no use here.", "Nothing."),
     ("U021", "A tag of another program refers to something that does not exist.", "Correct the name."),

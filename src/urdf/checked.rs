@@ -101,6 +101,7 @@ pub(super) struct Paint<'d> {
 }
 
 /// What stands in `<geometry>`, sizes in m.
+#[derive(PartialEq)]
 pub(super) enum Geometry<'d> {
     Box {
         size: [f64; 3],
@@ -122,6 +123,25 @@ pub(super) enum Geometry<'d> {
         /// Where the file name stands.
         at: Range<usize>,
     },
+}
+
+impl Geometry<'_> {
+    /// Whether two are the same shape, wherever they stand in the file.
+    pub(super) fn same_as(&self, other: &Self) -> bool {
+        match (self, other) {
+            (
+                Self::Mesh {
+                    filename, scale, ..
+                },
+                Self::Mesh {
+                    filename: name,
+                    scale: factors,
+                    ..
+                },
+            ) => filename == name && scale.map(f64::to_bits) == factors.map(f64::to_bits),
+            _ => self == other,
+        }
+    }
 }
 
 /// An inertia that is not positive definite.

@@ -45,6 +45,12 @@ pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> Che
         foreign::proximity(scope, collision, &mut surface);
         let (xyz, rpy) = scope.origin(collision);
         for geometry in geometries(scope, collision) {
+            let known = collisions.iter();
+            let mut known = known.map(|c: &CheckedCollision| (c.xyz, c.rpy, &c.geometry));
+            if known.any(|(p, r, shape)| (p, r) == (xyz, rpy) && shape.same_as(&geometry)) {
+                let message = "a <collision> stands twice: its contacts count twice";
+                scope.warning("U018", collision.tag_at(), message, "remove one of them");
+            }
             collisions.push(CheckedCollision { xyz, rpy, geometry });
         }
     }

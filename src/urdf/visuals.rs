@@ -71,6 +71,13 @@ enum Name<'d> {
     Place(usize),
 }
 
+                let known = &link.visuals;
+                let same = |v: &CheckedVisual| v.xyz == xyz && v.rpy == rpy;
+                let twice = |v: &CheckedVisual| same(v) && v.geometry.same_as(&geometry);
+                if known.iter().any(twice) {
+                    let message = "a <visual> stands twice";
+                    scope.note("U018", visual.tag_at(), message, "remove one of them");
+                }
 /// Adds a material that has a colour or a texture, by its place, and by its name if that is new.
 fn add_material<'d>(
     scope: &mut Scope,
