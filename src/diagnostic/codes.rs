@@ -121,7 +121,7 @@ pub const CODES: &[Row] = &[
     ("U069", "An `<origin>` that is more than ten times as far away as the robot is large: it looks like mm or cm.", "Write it in m; `--scale 0.001` if all lengths of the file are in mm."),
     ("U070", "An unknown shape.", "Use one of those that the finding lists."),
     ("U071", "A coefficient of a surface that is out of range.", "Correct it."),
-    ("U073", "A colour that is not valid.", "Red, green, blue and alpha are 0 … 1."),
+    ("U073", "A colour that is not valid, or a material that is defined nowhere.", "Red, green, blue and alpha are 0 … 1; give the material a `<color>`."),
     ("U074", "An `<origin>` inside `<geometry>`, where it is not used.", "Move it beside `<geometry>`."),
     ("U075", "A visual that is more than ten times as large as the rest of the robot: it looks like mm or cm.", "`scale=\"0.001 0.001 0.001\"` in `<mesh>`, or lengths in m."),
     ("U104", "Collision meshes that are not found, once for each package.", "The option that the finding shows where it found them; else `--package NAME=DIR` or `--package-path DIR`."),

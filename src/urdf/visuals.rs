@@ -14,6 +14,7 @@ use super::scope::Scope;
 use super::xml::Node;
 use super::{file, link, painted};
 use crate::diagnostic::Severity;
+use crate::diagnostic::words::did_you_mean;
 use crate::parallel;
 use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
@@ -24,6 +25,7 @@ pub(super) fn check<'d>(scope: &mut Scope, root: Node<'d>, robot: &mut CheckedRo
     scope.severity = Severity::Warning;
     "robot".clone_into(&mut scope.owner);
     let mut palette = HashMap::new();
+    let mut undefined = BTreeSet::new();
     // The robot's own materials come first, then those that visuals give a name.
     for material in root.children_named("material") {
         add_material(scope, material, &mut palette);
@@ -49,7 +51,33 @@ pub(super) fn check<'d>(scope: &mut Scope, root: Node<'d>, robot: &mut CheckedRo
                 own.or_else(|| palette.get(&Name::Given(material.value("name")?)))
             });
             let paint = paint.copied().unwrap_or_default();
+            if let Some(name) = material.and_then(|material| material.value("name"))
+                && !name.is_empty()
+                && !palette.contains_key(&Name::Given(name))
+                && material.is_some_and(|material| material.children().next().is_none())
+                && undefined.insert(name)
+            {
+                let at = material.map_or_else(|| visual.tag_at(), Node::tag_at);
+                let message = format!("material '{name}' is defined nowhere: it gives no colour");
+                let known = palette.keys().filter_map(|key| match key {
+                    Name::Given(name) => Some(*name),
+                    Name::Place(_) => None,
+                });
+                let known: BTreeSet<&str> = known.collect();
+                let help = match did_you_mean(name, known) {
+                    help if help.is_empty() => "give it a <color rgba=\"…\"/>".to_owned(),
+                    help => help,
+                };
+                scope.note("U073", at, &message, help);
+            }
             for geometry in link::geometries(scope, visual) {
+                let known = &link.visuals;
+                let same = |v: &CheckedVisual| v.xyz == xyz && v.rpy == rpy;
+                let twice = |v: &CheckedVisual| same(v) && v.geometry.same_as(&geometry);
+                if known.iter().any(twice) {
+                    let message = "a <visual> stands twice";
+                    scope.note("U018", visual.tag_at(), message, "remove one of them");
+                }
                 link.visuals.push(CheckedVisual {
                     xyz,
                     rpy,
@@ -71,13 +99,6 @@ enum Name<'d> {
     Place(usize),
 }
 
-                let known = &link.visuals;
-                let same = |v: &CheckedVisual| v.xyz == xyz && v.rpy == rpy;
-                let twice = |v: &CheckedVisual| same(v) && v.geometry.same_as(&geometry);
-                if known.iter().any(twice) {
-                    let message = "a <visual> stands twice";
-                    scope.note("U018", visual.tag_at(), message, "remove one of them");
-                }
 /// Adds a material that has a colour or a texture, by its place, and by its name if that is new.
 fn add_material<'d>(
     scope: &mut Scope,
