@@ -3,6 +3,7 @@
 //! Namespaces are not resolved; a prefix is part of the name. The tree is built by `build`.
 
 mod build;
+mod comments;
 
 use quick_xml::escape;
 use std::borrow::Cow;

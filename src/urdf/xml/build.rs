@@ -6,7 +6,7 @@
 //! Over 500 lines because each construct that is no XML has its finding and its recovery beside the
 //! one that is.
 
-use super::{Attribute, Document, Element, HARDWARE, is_forbidden};
+use super::{Attribute, Document, Element, HARDWARE, comments, is_forbidden};
 use crate::diagnostic::Report;
 use crate::diagnostic::words::{code, strange};
 use quick_xml::Reader;
@@ -158,7 +158,8 @@ impl<'t> Builder<'t> {
                 Err(error) => {
                     let end = position(reader.buffer_position());
                     let at = position(reader.error_position());
-                    Self::malformed(&error, at.min(self.text.len()), end, report);
+                    let at = at.min(self.text.len());
+                    Self::malformed(self.text, &error, at, end, report);
                     if matches!(error, Error::IllFormed(_)) && end > start {
                         continue;
                     }
@@ -206,7 +207,10 @@ impl<'t> Builder<'t> {
         if let Some(inner) = text.find("<!--") {
             let line = report.line(at.start);
             let message = format!("not XML: a comment within the comment of line {line}");
-            let help = "the first --> ends both: remove the inner <!-- and its -->";
+            let help = comments::advice(&text[..inner], first, report);
+            let help = help.unwrap_or_else(|| {
+                "the first --> ends both: remove the inner <!-- and its -->".to_owned()
+            });
             let inner = first + inner;
             report.error("U003", inner..inner + "<!--".len(), message, help);
         } else if let Some(hyphens) = text.find("--").filter(|&i| first + i + 3 < at.end)
@@ -613,7 +617,7 @@ impl<'t> Builder<'t> {
         }
     }
 
-    fn malformed(error: &Error, at: usize, end: usize, report: &mut Report) {
+    fn malformed(text: &str, error: &Error, at: usize, end: usize, report: &mut Report) {
         let help = match error {
             Error::Syntax(
                 SyntaxError::UnclosedSingleQuotedAttributeValue
@@ -622,6 +626,10 @@ impl<'t> Builder<'t> {
             Error::Syntax(_) => "is the file complete?",
             _ => "",
         };
+        let open = matches!(error, Error::Syntax(SyntaxError::UnclosedComment));
+        let inside = open.then(|| text.get(at..)).flatten();
+        let meant = inside.and_then(|inside| comments::advice(inside, at, report));
+        let help = meant.unwrap_or_else(|| help.to_owned());
         report.error("U003", at..end.max(at), format!("not XML: {error}"), help);
     }
 }
