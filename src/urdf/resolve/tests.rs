@@ -152,8 +152,13 @@ fn a_missing_mesh_lists_every_place_searched_and_advice() {
         assert!(found.tried.contains(&PathBuf::from(place)), "{found:?}");
     }
     assert!(found.help().contains("--package-path"));
-    let help = missing("http://host/a.stl").help();
+    let help = missing("ftp://host/a.stl").help();
     assert!(help.contains("not supported"));
+    for scheme in ["http", "https", "HTTPS"] {
+        let help = missing(&format!("{scheme}://host/meshes/a.stl")).help();
+        assert!(help.contains("nothing is downloaded"), "{help}");
+        assert!(help.contains("filename=\"a.stl\""), "{help}");
+    }
     assert!(missing("$(find arm)/a.stl").help().contains("xacro"));
 }
 
