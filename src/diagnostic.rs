@@ -14,6 +14,7 @@
 
 pub mod angles;
 pub mod codes;
+pub mod gravity;
 pub mod words;
 
 pub use words::nearest;

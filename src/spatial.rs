@@ -455,8 +455,3 @@ pub fn rotation_from_quaternion(q: &[f64; 4]) -> Mat3 {
         1.0 - 2.0 * (b * b + c * c),
     )
 }
-
-/// Whether a vector points up, along z, rather than down or sideways.
-pub fn points_up(v: &Vec3) -> bool {
-    v.z > libm::hypot(v.x, v.y)
-}

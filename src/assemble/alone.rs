@@ -7,10 +7,10 @@ use super::{
     sensors, sink, touch, ways, wheels,
 };
 use crate::diagnostic::Diagnostic;
+use crate::diagnostic::gravity::{self, Unusual};
 use crate::digits::Digits;
 use crate::model::{BodyId, Initial, Model, OutputSelection, Root, RootId, World};
 use crate::settings::Settings;
-use crate::spatial::points_up;
 use crate::urdf::Description;
 
 /// A robot, ready to simulate.
@@ -144,49 +144,25 @@ fn assemble(
     Some(model)
 }
 
-/// The earth's gravity, m/s², and by how much that of other places and of other digits differs, as
-/// a share.
-const EARTH: (f64, f64) = (9.81, 0.01);
-
-/// Warns of gravity that points up rather than down, nearly always because its sign is forgotten;
-/// or straight along -y on a ground, as in programs where y is up; and of the earth's in mm/s² or
-/// cm/s².
+/// Warns of gravity that is nearly always meant otherwise.
 fn warn_of_gravity(world: &World, findings: &mut Findings) {
     let g = &world.gravity;
     let [x, y, z] = [g.x, g.y, g.z].map(Digits);
-    let fallen = g.x == 0.0 && g.y < 0.0 && g.z == 0.0;
-    let unit = [("mm", 1000.0), ("cm", 100.0)].into_iter();
-    let mut unit = unit.filter(|(_, factor)| {
-        let share = g.norm() / (factor * EARTH.0);
-        (share - 1.0).abs() < EARTH.1
-    });
-    let (message, help) = if points_up(g) {
-        (
-            format!("gravity points upwards: it is [{x}, {y}, {z}] m/s², and z is up"),
-            format!(
-                "write gravity = [{x}, {y}, -{z}] in [world]; what hangs from a ceiling is turned \
-                 by [initial] rpy = [3.14159265, 0, 0] instead"
-            ),
-        )
-    } else if fallen && world.ground.is_some() {
-        (
-            format!("gravity points along -y: it is [{x}, {y}, {z}] m/s², and z is up"),
-            format!(
-                "write gravity = [0, 0, -{}] in [world]; without a ground, [world.ground] \
-                 type = \"none\", it may point anywhere",
-                Digits(g.norm())
-            ),
-        )
-    } else if let Some((unit, _)) = unit.next() {
-        (
-            format!(
-                "gravity of {} m/s² is the earth's in {unit}/s²",
-                Digits(g.norm())
-            ),
-            "write gravity = [0, 0, -9.81] in [world]".to_owned(),
-        )
-    } else {
+    let Some(unusual) = gravity::unusual((*g).into(), world.ground.is_some()) else {
         return;
     };
+    let help = match unusual {
+        Unusual::Upwards => format!(
+            "write gravity = [{x}, {y}, -{z}] in [world]; what hangs from a ceiling is turned by \
+             [initial] rpy = [3.14159265, 0, 0] instead"
+        ),
+        Unusual::AlongY => format!(
+            "write gravity = [0, 0, -{}] in [world]; without a ground, [world.ground] type = \
+             \"none\", it may point anywhere",
+            Digits(g.norm())
+        ),
+        Unusual::Unit(_) => "write gravity = [0, 0, -9.81] in [world]".to_owned(),
+    };
+    let message = format!("gravity {unusual}: it is [{x}, {y}, {z}] m/s², and z is up");
     findings.warning("A143", None, message, &help);
 }

@@ -9,6 +9,7 @@ use super::variable::{Kind, Variable};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::clock;
 use urdf2fmu_core::diagnostic::angles;
+use urdf2fmu_core::diagnostic::gravity::{self, Unusual};
 use urdf2fmu_core::digits::Digits;
 use urdf2fmu_core::pattern::Pattern;
 use urdf2fmu_core::spatial::{Vec3, points_up};
@@ -233,8 +234,13 @@ pub(super) fn starts<'d>(
     Ok(starts)
 }
 
-/// What to tell of start values: gravity that points upwards, as the settings tell it (A143).
-pub(super) fn upwards(starts: &[(&Variable, f64)]) -> Option<String> {
+/// What to tell of start values: gravity that is nearly always meant otherwise, as the settings
+/// tell it (A143).
+pub(super) fn unusual_gravity(
+    description: &Description,
+    starts: &[(&Variable, f64)],
+) -> Option<String> {
+    let plain = |v: &Variable| v.name.replace('_', ".");
     let of = |letter: &str| {
         let name = format!("world.gravity.{letter}");
         let mut own = starts
@@ -244,13 +250,20 @@ pub(super) fn upwards(starts: &[(&Variable, f64)]) -> Option<String> {
     };
     let z = of("z")?;
     let [x, y] = ["x", "y"].map(|letter| of(letter).unwrap_or_default());
-    points_up(&Vec3::new(x, y, z)).then(|| {
-        format!(
-            "gravity points upwards: world.gravity.z is {0} m/s², and z is up; what falls has \
-             --start-value world.gravity.z -{0}",
-            Digits(z)
-        )
-    })
+    // A contact with the ground has parameters.
+    let mut variables = description.variables.iter();
+    let ground = variables.any(|v| plain(v).starts_with("world.ground."));
+    let unusual = gravity::unusual([x, y, z], ground)?;
+    let (down, more) = match unusual {
+        Unusual::Upwards => (z, ""),
+        Unusual::AlongY => (y.abs(), "--start-value world.gravity.y 0 "),
+        Unusual::Unit(_) => (9.81, ""),
+    };
+    let [x, y, z, down] = [x, y, z, down].map(Digits);
+    Some(format!(
+        "gravity {unusual}: it is [{x}, {y}, {z}] m/s², and z is up; what falls has \
+         {more}--start-value world.gravity.z -{down}"
+    ))
 }
 
 /// Parameters and inputs that a name or glob means; the error tells the nearest name.
@@ -324,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn gravity_that_is_set_upwards_is_told() {
+    fn gravity_of_another_sign_axis_or_unit_is_told_of_start_values() {
         let text = "<fmiModelDescription fmiVersion='2.0' guid='1'><CoSimulation \
                     modelIdentifier='m'/><ModelVariables>XYZ</ModelVariables></fmiModelDescription>";
         let variable = |letter: &str| {
@@ -341,11 +354,31 @@ mod tests {
                 (format!("world.gravity.{letter}"), (*value).to_owned())
             };
             let given: Vec<(String, String)> = given.iter().map(pair).collect();
-            upwards(&starts(&description, &given).expect("legal"))
+            let starts = starts(&description, &given).expect("legal");
+            unusual_gravity(&description, &starts)
         };
-        let message = told(&[("z", "9.81")]).expect("told");
-        assert!(message.ends_with("world.gravity.z -9.81"), "{message}");
-        assert_eq!(told(&[("z", "-9.81")]), None);
+        let aside = [("y", "-9.81"), ("z", "0")];
+        for (given, what) in [
+            (&[("z", "9.81")][..], "points upwards"),
+            (&aside, "points along -y"),
+            (&[("z", "-9810")], "is the earth's in mm/s²"),
+            (&[("z", "-980.665")], "is the earth's in cm/s²"),
+        ] {
+            let message = told(ground, given).expect(what);
+            assert!(
+                message.starts_with(&format!("gravity {what}: it is [0")),
+                "{message}"
+            );
+            assert!(message.ends_with("world.gravity.z -9.81"), "{message}");
+        }
+        let message = told(ground, &aside).expect("along -y");
+        assert!(
+            message.contains("--start-value world.gravity.y 0 "),
+            "{message}"
+        );
+        // Seen from above, without a ground.
+        assert_eq!(told("", &aside), None);
+        assert_eq!(told(ground, &[("z", "-9.81")]), None);
         // Sideways, as on a slope.
         assert_eq!(told(&[("z", "1"), ("x", "9.8")]), None);
     }

@@ -4,7 +4,7 @@ use super::csv::Table;
 use super::description::Description;
 use super::error::{RunError, stopped};
 use super::exchange::{self, Exchange, Inputs};
-use super::experiment::{Experiment, Times, description, signals, starts, upwards};
+use super::experiment::{Experiment, Times, description, signals, starts, unusual_gravity};
 use super::library::{LibraryError, Slave, Stepped, uri};
 use super::select::selection;
 use super::signals::Signals;
@@ -68,7 +68,9 @@ pub fn simulate(
         .as_ref()
         .and_then(|s| s.misses(times.start, times.stop));
     let starts = starts(&description, &experiment.start_values)?;
-    let told = misses.into_iter().chain(upwards(&starts));
+    let told = misses
+        .into_iter()
+        .chain(unusual_gravity(&description, &starts));
     let told: Vec<_> = told.map(|text| (1, text)).collect();
     let named = starts.iter().map(|(v, value)| (v.name.clone(), *value));
     let started = named.collect();
