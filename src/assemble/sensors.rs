@@ -1,6 +1,7 @@
 //! Sensors of the settings → sensors of the model.
 
 use super::findings::Findings;
+use crate::digits::Digits;
 use crate::model::{JointId, LinkId, Model, Sampling, Sensor, SensorKind};
 use crate::settings::{Errors, Fan, SensorSettings, SensorSettingsKind};
 use crate::spatial::{Pose, Vec3};
@@ -95,6 +96,7 @@ fn sensor(model: &Model, settings: &SensorSettings, findings: &mut Findings) -> 
             hits,
             ignored,
         } => {
+            tell_of_a_doubled_ray(&name, columns, findings);
             let names: Vec<&str> = model.links.iter().map(|l| l.name.as_str()).collect();
             let ignored: BTreeSet<usize> = ignored
                 .iter()
@@ -145,6 +147,24 @@ fn sensor(model: &Model, settings: &SensorSettings, findings: &mut Findings) -> 
         sensor.sampling.seed = settings.seed;
     }
     Some(sensor)
+}
+
+/// Tells of a row of rays all around whose last one is where the first one is, or nearly so: nearer
+/// than half of the angle between the others.
+fn tell_of_a_doubled_ray(name: &str, columns: &Fan, findings: &mut Findings) {
+    let [first, last] = columns.angles;
+    let (count, angle) = (f64::from(columns.count), (last - first).abs());
+    let gap = (TAU - angle).abs();
+    if columns.count > 2 && gap < 0.5 * angle / (count - 1.0) {
+        let [gap, all] = [gap, TAU * (count - 1.0) / count].map(Digits);
+        let message = format!(
+            "sensor '{name}': the last of its {} rays is {gap} rad from the first: what is there is \
+             seen twice",
+            columns.count
+        );
+        let help = format!("a row of so many rays all around has fov = {all}");
+        findings.note("A131", message, &help);
+    }
 }
 
 /// The link or joint of a sensor.

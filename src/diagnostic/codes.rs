@@ -39,7 +39,7 @@ pub const CODES: &[Row] = &[
     ("A127", "A wheel's mesh is so round that a cylinder or a ball rolls in its place.", "`[link.\"…\"] wheel_fit = \"none\"`."),
     ("A128", "A driven wheel's mesh is a polygon and will bump.", "Give it a cylinder as collision shape, or `wheel_fit`."),
     ("A130", "A `[[group]]` of joints that cannot share a command.", "Let it hold commanded joints of one mode."),
-    ("A131", "A `[[sensor]]` that has no place.", "Name an existing link or joint."),
+    ("A131", "A `[[sensor]]` that has no place, or whose rays all around end where they begin.", "Name an existing link or joint; `fov` of n rays all around is 2π (n − 1)/n."),
     ("A132", "Links without `<inertial>` get the mass that another simulator gives them.", "Give the link an `<inertial>`."),
     ("A133", "Settings of a further robot that are the world's.", "Move them into the settings of the first robot."),
     ("A134", "An object is the ground.", "Nothing: it becomes `[world.ground]`."),

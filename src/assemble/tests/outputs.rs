@@ -115,3 +115,43 @@ fn groups_that_cannot_share_a_command_are_errors_with_their_place() {
     assert_eq!(found.code, "A102");
     assert!(found.message.contains("not commanded"), "{}", found.message);
 }
+
+#[test]
+fn a_joint_that_stands_twice_in_a_group_is_told() {
+    let told = |joints: &str| {
+        let settings =
+            format!("robot.base = \"fixed\"\n[[group]]\nname = \"drive\"\njoints = [{joints}]\n");
+        has(&assembled(&cart(), &settings), "A144")
+    };
+    assert!(told("\"left\", \"left\""));
+    assert!(!told("\"left\", \"right\""));
+    // A glob beside a name is a choice.
+    assert!(!told("\"left\", \"*\""));
+}
+
+/// 360 rays over a whole turn are 1.0028° apart, and the last one is where the first one is; over
+/// 359° they are 1° apart, all around.
+#[test]
+fn rays_all_around_whose_last_one_is_the_first_are_told() {
+    let told = |rays: u32, fov: f64| {
+        let settings =
+            format!("[[sensor]]\ntype = \"ray\"\nlink = \"chassis\"\nrays = {rays}\nfov = {fov}\n");
+        let built = assembled(&cart(), &settings);
+        let mut found = built.diagnostics.into_iter().filter(|d| d.code == "A131");
+        found.next().map(|d| d.help.unwrap_or_default())
+    };
+    let help = told(360, 2.0 * PI).expect("doubled");
+    let fov: f64 = help
+        .rsplit(' ')
+        .next()
+        .expect("a word")
+        .parse()
+        .expect("a number");
+    assert!((fov - 359.0_f64.to_radians()).abs() < 1e-12, "{help}");
+    assert!(told(360, 2.0 * PI - 0.003).is_some());
+    assert_eq!(told(360, fov), None);
+    assert_eq!(told(270, 1.5 * PI), None);
+    assert_eq!(told(2, PI), None);
+    // To the right and to the left, at the same place behind.
+    assert!(told(3, 2.0 * PI).is_some());
+}
