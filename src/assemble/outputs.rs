@@ -68,7 +68,13 @@ fn group(model: &mut Model, settings: &GroupSettings, findings: &mut Findings) -
         .map(|j| model.actuators.iter().position(|a| a.joint.index() == j))
         .collect();
     let mut chosen = vec![false; model.actuators.len()];
-    for pattern in &settings.joints {
+    for (i, pattern) in settings.joints.iter().enumerate() {
+        let mut before = settings.joints[..i].iter();
+        if before.any(|other| other.text == pattern.text) {
+            let message = format!("'{}' stands twice in group '{name}'", pattern.text);
+            let help = "remove it, or name the joint that is meant";
+            findings.warning("A144", pattern.place.clone(), message, help);
+        }
         let unsuitable = |j: usize| {
             commanded[j]
                 .is_none()

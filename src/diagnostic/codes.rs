@@ -52,7 +52,7 @@ pub const CODES: &[Row] = &[
     ("A141", "The initial pose was moved so that the loops close, or cannot be.", "Correct the places where a loop holds its links, or `[initial] joints`."),
     ("A142", "What Model Exchange has no equations for: a rebound, a sensor that takes samples or errs, a closed loop, more continuous states than importers can work with.", "Leave it out, or export with `--interface cs`."),
     ("A143", "Gravity points upwards, nearly always because its sign was forgotten; or along -y, as where y is up; or it is the earth's in mm/s² or cm/s².", "`[world] gravity = [0, 0, -9.81]`. What hangs from a ceiling is turned by `[initial] rpy` instead."),
-    ("A144", "A setting that changes nothing: `stribeck_velocity` without friction at rest, `dissipation` beside `restitution`, a density or a missing mass that no link needs.", "Leave it out, or set what it belongs to; the finding names that."),
+    ("A144", "A setting that changes nothing: `stribeck_velocity` without friction at rest, `dissipation` beside `restitution`, a density or a missing mass that no link needs, a joint that stands twice in a `[[group]]`.", "Leave it out, or set what it belongs to; the finding names that."),
     ("A145", "Contacts are so soft that the robot sinks into the ground by more than a twentieth of the smallest size of the shapes that it stands on.", "A smaller `[contact] penetration`, or a greater `stiffness`; the finding names the key and the depth."),
     ("R101", "The SRDF cannot be read.", "Give the SRDF of this robot."),
     ("R102", "The SRDF names a link or joint that the URDF does not have.", "Check that both belong together."),
