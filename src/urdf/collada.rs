@@ -9,7 +9,7 @@ mod faces;
 mod paint;
 mod words;
 
-use super::faces::{MeshError, Part};
+use super::faces::{MeshError, Part, no_number};
 use super::xml::{Document, Node};
 use crate::diagnostic::Report;
 use crate::encoding::xml_text;
@@ -310,7 +310,7 @@ fn nodes(node: Node<'_>) -> impl Iterator<Item = Node<'_>> {
 
 fn numbers(node: Node) -> Result<Vec<f64>, MeshError> {
     words::floats(&node.content())
-        .map_err(|word| MeshError::Collada(format!("<{}>: '{word}' is not a number", node.name())))
+        .map_err(|word| MeshError::Collada(format!("<{}>: {}", node.name(), no_number(word))))
 }
 
 fn fixed<const N: usize>(node: Node) -> Result<[f64; N], MeshError> {

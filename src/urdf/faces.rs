@@ -64,6 +64,47 @@ pub(super) enum MeshError {
     NotFinite,
 }
 
+impl MeshError {
+    /// What to do.
+    pub(super) fn help(&self) -> String {
+        match self {
+            Self::Io(_) => "name a file that can be read".to_owned(),
+            Self::Pointer => {
+                "fetch the files where the robot was cloned: git lfs install && git lfs pull"
+                    .to_owned()
+            }
+            Self::Other(UTF_16) => "save it as UTF-8, or export the mesh again".to_owned(),
+            Self::Other(_) => "put the mesh itself there".to_owned(),
+            Self::NoFormat => "give the file its ending".to_owned(),
+            Self::Truncated { .. } | Self::Miscounted { .. } | Self::Unfinished | Self::Empty => {
+                "copy or export the mesh again: it is not whole".to_owned()
+            }
+            Self::Line { .. } | Self::Collada(_) | Self::Content(_) | Self::NotFinite => {
+                format!("correct what is named, or export the mesh again; {FORMATS} are read")
+            }
+            Self::TooLarge(_) => "export the mesh with fewer triangles".to_owned(),
+            Self::NoFaces => "export the mesh with triangles; points and lines are none".to_owned(),
+            Self::Format(_) | Self::NotStl => {
+                format!("export the mesh again; {FORMATS} are read")
+            }
+        }
+    }
+}
+
+/// What [`other_kind`] calls a text of two bytes a letter.
+const UTF_16: &str = "text in UTF-16";
+
+/// What is wrong with a word in the place of a number.
+pub(super) fn no_number(word: &str) -> String {
+    let point = word.replace(',', ".").parse::<f64>().is_ok();
+    let why = if point {
+        ": the decimal sign is a point"
+    } else {
+        ""
+    };
+    format!("'{word}' is not a number{why}")
+}
+
 /// What a file is that stands in the place of a mesh, by its first bytes.
 pub(super) fn other_kind(bytes: &[u8]) -> Option<&'static str> {
     let text = bytes
@@ -79,7 +120,7 @@ pub(super) fn other_kind(bytes: &[u8]) -> Option<&'static str> {
     } else if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\x1f\x8b") {
         Some("a compressed file")
     } else if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        Some("text in UTF-16")
+        Some(UTF_16)
     } else {
         None
     }
@@ -113,9 +154,7 @@ pub(super) fn three<'w>(words: &mut impl Iterator<Item = &'w str>) -> Result<Vec
     let mut point = Vec3::zeros();
     for coordinate in point.iter_mut() {
         let word = words.next().ok_or("three numbers are needed")?;
-        *coordinate = word
-            .parse()
-            .map_err(|_| format!("'{word}' is not a number"))?;
+        *coordinate = word.parse().map_err(|_| no_number(word))?;
     }
     Ok(point)
 }

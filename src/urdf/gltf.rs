@@ -56,6 +56,7 @@ impl File {
             let what = format!("it needs {name}, which is not read: export it without");
             return Err(problem(what));
         }
+        buffers::known_version(&scenes.asset.version)?;
         let buffers = buffers::read(&scenes, binary, beside)?;
         Ok(Self { scenes, buffers })
     }

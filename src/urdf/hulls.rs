@@ -4,7 +4,7 @@
 
 use super::checked::{CheckedRobot, Geometry};
 use super::decompose;
-use super::faces::{FORMATS, MeshError};
+use super::faces::MeshError;
 use super::mesh::{self, MeshFile};
 use super::missing::{self, Lost, Unread};
 use super::objects;
@@ -388,15 +388,10 @@ fn read_mesh(
     let enclosed = match enclosed {
         Ok(enclosed) => enclosed,
         Err(Failure::Read(error)) => {
-            let (code, help) = match error {
-                MeshError::Pointer => (
-                    "U105",
-                    "fetch the files where the robot was cloned: git lfs install && git lfs pull"
-                        .to_owned(),
-                ),
-                MeshError::Other(_) => ("U105", "put the mesh itself there".to_owned()),
-                MeshError::NoFormat => ("U106", "give the file its ending".to_owned()),
-                _ => ("U105", format!("export the mesh again; {FORMATS} are read")),
+            let help = error.help();
+            let code = match error {
+                MeshError::NoFormat => "U106",
+                _ => "U105",
             };
             let message = format!("mesh {} cannot be read: {error}", path.display());
             scope.problem(code, at.clone(), &message, help);

@@ -73,16 +73,29 @@ use scope::Scope;
 use std::path::{Path, PathBuf};
 use xml::Document;
 
+/// Why a mesh file cannot be read.
+#[derive(Clone, Debug)]
+pub struct UnreadMesh {
+    /// What is wrong with it, as the end of a sentence.
+    pub message: String,
+    /// What to do.
+    pub help: String,
+}
+
 /// Triangles of a mesh file, STL, OBJ, PLY, COLLADA or glTF, in m, and the files beside it that
 /// hold parts of it.
 ///
 /// # Errors
-/// What is wrong with the file, as the end of a sentence.
-pub fn read_triangles(path: &Path) -> Result<(Vec<[Vec3; 3]>, Vec<PathBuf>), String> {
-    let mesh = alone(path).map_err(|error| error.to_string())?;
+/// What is wrong with the file, and what to do.
+pub fn read_triangles(path: &Path) -> Result<(Vec<[Vec3; 3]>, Vec<PathBuf>), UnreadMesh> {
+    let told = |error: MeshError| UnreadMesh {
+        message: error.to_string(),
+        help: error.help(),
+    };
+    let mesh = alone(path).map_err(told)?;
     // Whatever is wrong with its numbers is found with the corners.
-    mesh.corners().map_err(|error| error.to_string())?;
-    let triangles = mesh.triangles().map_err(|error| error.to_string())?;
+    mesh.corners().map_err(told)?;
+    let triangles = mesh.triangles().map_err(told)?;
     Ok((triangles, mesh.beside().to_owned()))
 }
 

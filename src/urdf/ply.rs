@@ -172,7 +172,7 @@ impl Body<'_> {
             }
             let word = String::from_utf8_lossy(word);
             let number = word.parse();
-            return number.map_err(|_| problem(format!("'{word}' is not a number")));
+            return number.map_err(|_| problem(faces::no_number(&word)));
         }
         let size = kind.size();
         let (number, rest) = self.rest.split_at_checked(size).ok_or_else(cut)?;

@@ -5,7 +5,7 @@
 
 use super::checked::{CheckedRobot, CheckedVisual, Geometry, Paint};
 use super::description::{DrawnMesh, MeshPart, Texture};
-use super::faces::{FORMATS, Image, MeshError};
+use super::faces::{Image, MeshError};
 use super::image::{self, ImageError};
 use super::mesh::{self, MeshFile};
 use super::missing::{self, outside_help};
@@ -442,7 +442,7 @@ fn parts_of(
                     let twin = missing::twin(path);
                     twin.unwrap_or_else(|| "convert the mesh to one of these formats".to_owned())
                 }
-                _ => format!("export the mesh again; {FORMATS} are read"),
+                _ => error.help(),
             };
             let message = format!("visual mesh {} cannot be read: {error}", path.display());
             troubles.add("U116", at, message, help);

@@ -7,8 +7,10 @@ mod outside;
 mod read;
 
 use std::path::{Path, PathBuf};
+use std::fs::File;
 use std::sync::Arc;
 use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
+use urdf2fmu_core::diagnostic::words::or_meant;
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::geometry::field::{Field, Samples};
 use urdf2fmu_core::geometry::surface::{Surface, Triangles};
@@ -40,15 +42,24 @@ pub fn shape(
     let samples = match settings {
         TerrainSettings::Plane => return Ok((Shape::Plane, files)),
         TerrainSettings::Mesh { file, scale } => {
-            let help = "give a file of triangles with an area: STL, OBJ, PLY, COLLADA or glTF";
-            let wrong =
-                |message: String| error("T002", format!("'{}': {message}", file.display()), help);
-            let (triangles, beside) = urdf::read_triangles(file).map_err(wrong)?;
+            let wrong = |code, message: String, help: &str| {
+                error(code, format!("'{}': {message}", file.display()), help)
+            };
+            // As of heights.
+            File::open(file).map_err(|found| {
+                let message = format!("{found}{}", or_meant(file, &found));
+                wrong("T001", message, read::UNREAD)
+            })?;
+            let read = urdf::read_triangles(file);
+            let (triangles, beside) =
+                read.map_err(|[message, help]| wrong("T002", message, &help))?;
             files.extend(beside);
             let scaled: Vec<_> = triangles.iter().map(|t| t.map(|c| c * *scale)).collect();
             let surface = Surface::try_from(Triangles::new(&scaled));
-            let surface = Arc::new(surface.map_err(|found| wrong(found.to_string()))?);
-            return Ok((Shape::Surface { surface }, files));
+            let help = "give a file of triangles with an area: STL, OBJ, PLY, COLLADA or glTF";
+            let surface = surface.map_err(|found| wrong("T002", found.to_string(), help))?;
+            let surface = Arc::new(surface);
+            return Ok((Shape::Surface { surface }, files, notes));
         }
         TerrainSettings::Heights {
             source,

@@ -23,6 +23,10 @@ pub(super) struct Table {
 
 /// What is wrong with a file.
 #[derive(Debug)]
+/// What helps where a file cannot be read.
+pub(super) const UNREAD: &str =
+    "name a file that can be read; a relative one counts from the folder of the settings";
+
 pub(super) struct Wrong {
     pub(super) code: &'static str,
     pub(super) message: String,
@@ -42,7 +46,7 @@ pub(super) fn heights(path: &Path) -> Result<Table, Wrong> {
     let unread = |message: String| Wrong {
         code: "T001",
         message,
-        help: "name a file that can be read; a relative one counts from the folder of the settings",
+        help: UNREAD,
     };
     if std::fs::metadata(path).is_ok_and(|data| !data.is_file()) {
         return Err(unread("it is not a file".to_owned()));

@@ -32,10 +32,7 @@ pub(super) fn chunks(bytes: &[u8]) -> Result<(&[u8], &[u8]), MeshError> {
     }
     match word(4) {
         Some(2) => {}
-        Some(version) => {
-            let what = format!("it is glTF {version}; glTF 2 is read");
-            return Err(problem(what));
-        }
+        Some(version) => known_version(&version.to_string())?,
         None => return Err(problem("the file is cut short")),
     }
     let chunk = |at: usize, kind: &[u8; 4]| {
@@ -112,4 +109,14 @@ pub(super) fn data(uri: &str) -> Result<Vec<u8>, MeshError> {
     ANY_PADDING
         .decode(content.trim())
         .map_err(|error| problem(format!("a data: URI is no base64: {error}")))
+}
+
+/// Refuses a version of the standard that is not the second, as `1.0`; one that nobody has written
+/// counts as that.
+pub(super) fn known_version(version: &str) -> Result<(), MeshError> {
+    if version.is_empty() || version == "2" || version.starts_with("2.") {
+        return Ok(());
+    }
+    let what = format!("it is glTF {version}; glTF 2 is read: export it again");
+    Err(problem(what))
 }

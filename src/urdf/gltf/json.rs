@@ -6,6 +6,8 @@ use serde::Deserialize;
 #[serde(rename_all = "camelCase")]
 pub(super) struct Scenes {
     #[serde(default)]
+    pub(super) asset: Asset,
+    #[serde(default)]
     pub(super) extensions_required: Vec<String>,
     pub(super) scene: Option<usize>,
     #[serde(default, rename = "scenes")]
@@ -26,6 +28,14 @@ pub(super) struct Scenes {
     pub(super) textures: Vec<Texture>,
     #[serde(default)]
     pub(super) images: Vec<Image>,
+}
+
+/// What the file is written by.
+#[derive(Default, Deserialize)]
+pub(super) struct Asset {
+    /// Of the standard, such as `2.0`; as no file may be without.
+    #[serde(default)]
+    pub(super) version: String,
 }
 
 #[derive(Deserialize)]
