@@ -396,10 +396,11 @@ impl Surroundings {
             ObjectSource::Terrain(settings) => {
                 let place = object.place.as_ref();
                 match terrain::shape(object.called(), settings, place) {
-                    Ok((shape, files)) => {
+                    Ok((shape, files, notes)) => {
                         for file in &files {
                             self.source(file);
                         }
+                        self.tell(notes);
                         let rpy = &object.initial.rpy;
                         self.tell(terrain::findings(object.called(), &shape, rpy, place));
                         Some(assemble::solid(object.called(), &shape, 0.0))

@@ -4,21 +4,22 @@ mod generate;
 mod holes;
 mod npy;
 mod outside;
+mod points;
 mod read;
 
-use std::path::{Path, PathBuf};
 use std::fs::File;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
 use urdf2fmu_core::diagnostic::words::or_meant;
+use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::geometry::field::{Field, Samples};
 use urdf2fmu_core::geometry::surface::{Surface, Triangles};
 use urdf2fmu_core::settings::{HeightSource, TerrainSettings};
-use urdf2fmu_core::spatial::Vec3;
+use urdf2fmu_core::spatial::{Vec3, rotation_from_rpy};
 use urdf2fmu_core::urdf;
 
-/// The shape that settings describe, and the files that it is read from.
+/// The shape that settings describe, the files that it is read from, and what is not used of them.
 ///
 /// - `place`: where they stand
 ///
@@ -28,7 +29,7 @@ pub fn shape(
     name: &str,
     settings: &TerrainSettings,
     place: Option<&Place>,
-) -> Result<(Shape, Vec<PathBuf>), Box<Diagnostic>> {
+) -> Result<(Shape, Vec<PathBuf>, Vec<Diagnostic>), Box<Diagnostic>> {
     let mut files: Vec<PathBuf> = settings.file().into_iter().map(Path::to_owned).collect();
     let error = |code, message: String, help: &str| {
         Box::new(Diagnostic {
@@ -39,8 +40,9 @@ pub fn shape(
             place: place.cloned(),
         })
     };
+    let mut notes = Vec::new();
     let samples = match settings {
-        TerrainSettings::Plane => return Ok((Shape::Plane, files)),
+        TerrainSettings::Plane => return Ok((Shape::Plane, files, notes)),
         TerrainSettings::Mesh { file, scale } => {
             let wrong = |code, message: String, help: &str| {
                 error(code, format!("'{}': {message}", file.display()), help)
@@ -52,7 +54,7 @@ pub fn shape(
             })?;
             let read = urdf::read_triangles(file);
             let (triangles, beside) =
-                read.map_err(|[message, help]| wrong("T002", message, &help))?;
+                read.map_err(|found| wrong("T002", found.message, &found.help))?;
             files.extend(beside);
             let scaled: Vec<_> = triangles.iter().map(|t| t.map(|c| c * *scale)).collect();
             let surface = Surface::try_from(Triangles::new(&scaled));
@@ -71,6 +73,15 @@ pub fn shape(
                     let message = format!("'{}': {}", path.display(), found.message);
                     error(found.code, message, found.help)
                 })?;
+                if table.alpha {
+                    let message = format!("'{}': its alpha is not used", path.display());
+                    let help = "the brightness alone is the height: save it as a grey PNG";
+                    let note = error("T007", message, help);
+                    notes.push(Diagnostic {
+                        severity: Severity::Note,
+                        ..*note
+                    });
+                }
                 let by = height.unwrap_or(1.0);
                 Samples {
                     size: *size,
@@ -84,7 +95,7 @@ pub fn shape(
     let help = "give at least 2 x 2 finite heights, and at most 4,000,000";
     let field = Field::try_from(samples).map_err(|found| error("T002", found.to_string(), help))?;
     let field = Arc::new(field);
-    Ok((Shape::Field { field }, files))
+    Ok((Shape::Field { field }, files, notes))
 }
 
 /// What looks wrong in a shape that can be used.
@@ -92,11 +103,36 @@ pub fn shape(
 /// - `rpy`: how it is turned
 /// - `place`: where the settings say so
 pub fn findings(name: &str, shape: &Shape, rpy: &Vec3, place: Option<&Place>) -> Vec<Diagnostic> {
+    let warning = |code, message: &str, help: &str| Diagnostic {
+        severity: Severity::Warning,
+        code,
+        message: format!("terrain '{name}': {message}"),
+        help: Some(help.to_owned()),
+        place: place.cloned(),
+    };
     match shape {
         Shape::Surface { surface } => outside::findings(name, surface, rpy, place),
+        Shape::Plane if (rotation_from_rpy(rpy) * Vec3::z()).z < 0.0 => {
+            let message = "the plane is upside down: its upper side, z, looks down, and all that is \
+                           above it counts as inside";
+            vec![warning(
+                "T003",
+                message,
+                "turn it by half a turn, with rpy in rad",
+            )]
+        }
+        Shape::Field { field } if points::are_points(field.samples()) => {
+            let message = "its three columns look like x, y, z of points on a grid, but each number \
+                           is taken as a height";
+            let help = "write the heights alone, a row for each y and a column for each x, and the \
+                        extent as size";
+            vec![warning("T006", message, help)]
+        }
         _ => Vec::new(),
     }
 }
 
+#[cfg(test)]
+mod careless;
 #[cfg(test)]
 mod tests;

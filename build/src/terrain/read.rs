@@ -19,14 +19,16 @@ pub(super) struct Table {
     pub(super) counts: [usize; 2],
     /// Row by row from the lowest y.
     pub(super) values: Vec<f64>,
+    /// Whether it has pixels that are not opaque, whose alpha is not used.
+    pub(super) alpha: bool,
 }
 
-/// What is wrong with a file.
-#[derive(Debug)]
 /// What helps where a file cannot be read.
 pub(super) const UNREAD: &str =
     "name a file that can be read; a relative one counts from the folder of the settings";
 
+/// What is wrong with a file.
+#[derive(Debug)]
 pub(super) struct Wrong {
     pub(super) code: &'static str,
     pub(super) message: String,
@@ -142,6 +144,7 @@ fn image(bytes: &[u8]) -> Result<Table, Wrong> {
         }
     };
     let mut values = Vec::with_capacity(width * height);
+    let mut alpha = false;
     for row in (0..height).rev() {
         for column in 0..width {
             let at = row * frame.line_size + column * samples * bytes_each;
@@ -156,12 +159,16 @@ fn image(bytes: &[u8]) -> Result<Table, Wrong> {
                     ));
                 }
             }
+            if samples % 2 == 0 {
+                alpha |= number(at + (samples - 1) * bytes_each) < 1.0;
+            }
             values.push(grey);
         }
     }
     Ok(Table {
         counts: [width, height],
         values,
+        alpha,
     })
 }
 
@@ -172,6 +179,7 @@ fn array(bytes: &[u8]) -> Result<Table, Wrong> {
     Ok(Table {
         counts: [array.columns, array.rows],
         values: array.values,
+        alpha: false,
     })
 }
 
@@ -229,5 +237,6 @@ fn table(bytes: &[u8]) -> Result<Table, Wrong> {
     Ok(Table {
         counts: [columns, rows],
         values,
+        alpha: false,
     })
 }
