@@ -305,6 +305,10 @@ fn times_are_ratios_too_and_an_index_is_told() {
     for (table, part) in [
         (",time\n0,0\n", "index=False"),
         (wide.as_str(), "1…' is no finite"),
+        (
+            "time,cmd.head_joint.velocity\n0,1e40\n",
+            "in.csv', line 2, column 2: fmi2SetReal returned fmi2Error",
+        ),
     ] {
         let table = write(folder.path(), "in.csv", table);
         let done = run(&[&tenth[..], &["--input-file", text(&table)]].concat());

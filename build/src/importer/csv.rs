@@ -19,11 +19,13 @@ pub struct Table {
     pub rows: Vec<Vec<f64>>,
 }
 
-/// Where the names of a table's columns stand in its file.
+/// Where the names of a table's columns and its rows stand in its file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Names {
     /// Their line, from 1.
     pub line: u64,
+    /// Lines of the rows, from 1.
+    pub rows: Vec<u64>,
     /// In the file, from 1: the elements of an array stand in one.
     pub columns: Vec<usize>,
 }
@@ -226,7 +228,7 @@ impl Table {
                 columns.push(column + 1);
             }
         }
-        let mut rows: Vec<Vec<f64>> = Vec::new();
+        let (mut rows, mut lines): (Vec<Vec<f64>>, Vec<u64>) = (Vec::new(), Vec::new());
         for record in records {
             let record = record?;
             // A line of spaces, or of empty cells behind the last row.
@@ -263,12 +265,14 @@ impl Table {
                 return Err(CsvError::Back { line, time, before });
             }
             rows.push(row);
+            lines.push(line);
         }
         if rows.is_empty() {
             return Err(CsvError::NoRows);
         }
         let names = Names {
             line: header,
+            rows: lines,
             columns,
         };
         let table = Self {

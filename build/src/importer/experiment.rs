@@ -12,7 +12,6 @@ use urdf2fmu_core::diagnostic::angles;
 use urdf2fmu_core::diagnostic::gravity::{self, Unusual};
 use urdf2fmu_core::digits::Digits;
 use urdf2fmu_core::pattern::Pattern;
-use urdf2fmu_core::spatial::{Vec3, points_up};
 
 /// Longest table of results, in rows: a longer one is probably a typing error in an interval.
 const MOST_ROWS: f64 = 1e8;
@@ -192,7 +191,7 @@ pub(super) fn signals(
             column,
         });
     }
-    Ok(Signals::new(table, list, allowed))
+    Ok(Signals::new(table, list, allowed).of_file(path, places))
 }
 
 /// `--start-value`: what a name or glob means, with its value.
@@ -243,9 +242,7 @@ pub(super) fn unusual_gravity(
     let plain = |v: &Variable| v.name.replace('_', ".");
     let of = |letter: &str| {
         let name = format!("world.gravity.{letter}");
-        let mut own = starts
-            .iter()
-            .filter(|(v, _)| v.name.replace('_', ".") == name);
+        let mut own = starts.iter().filter(|(v, _)| plain(v) == name);
         own.next_back().map(|(_, value)| *value)
     };
     let z = of("z")?;
@@ -348,8 +345,11 @@ mod tests {
             )
         };
         let all: String = ["x", "y", "z"].map(variable).concat();
-        let description = Description::parse(&text.replace("XYZ", &all)).expect("legal");
-        let told = |given: &[(&str, &str)]| {
+        let ground = "<ScalarVariable name='world.ground.friction' valueReference='9' \
+                      causality='parameter' variability='tunable'><Real start='1'/></ScalarVariable>";
+        let told = |ground: &str, given: &[(&str, &str)]| {
+            let text = text.replace("XYZ", &(all.clone() + ground));
+            let description = Description::parse(&text).expect("legal");
             let pair = |(letter, value): &(&str, &str)| {
                 (format!("world.gravity.{letter}"), (*value).to_owned())
             };
@@ -380,7 +380,7 @@ mod tests {
         assert_eq!(told("", &aside), None);
         assert_eq!(told(ground, &[("z", "-9.81")]), None);
         // Sideways, as on a slope.
-        assert_eq!(told(&[("z", "1"), ("x", "9.8")]), None);
+        assert_eq!(told(ground, &[("z", "1"), ("x", "9.8")]), None);
     }
 
     #[test]

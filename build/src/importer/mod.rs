@@ -29,6 +29,7 @@
 mod advice;
 mod arrays;
 mod attributes;
+mod binary;
 pub mod csv;
 pub mod description;
 pub mod error;

@@ -1,5 +1,6 @@
 //! From start to stop: sets inputs, takes steps, records outputs.
 
+use super::binary;
 use super::csv::Table;
 use super::description::Description;
 use super::error::{RunError, stopped};
@@ -9,9 +10,8 @@ use super::library::{LibraryError, Slave, Stepped, uri};
 use super::select::selection;
 use super::signals::Signals;
 use super::variable::{Kind, Variable};
-use crate::library::target;
 use std::collections::BTreeMap;
-use std::path::{MAIN_SEPARATOR, Path, PathBuf};
+use std::path::{MAIN_SEPARATOR, Path};
 use std::time::{Duration, Instant};
 use urdf2fmu_core::clock;
 use urdf2fmu_core::settings::FmiVersion;
@@ -122,44 +122,6 @@ pub fn simulate(
     })
 }
 
-/// This system's folder under `binaries/`.
-fn platform(fmi: FmiVersion) -> &'static str {
-    use std::env::consts::{ARCH, OS};
-    target::of(OS, ARCH).map_or(OS, |target| target::folder(target.platform, fmi.major()))
-}
-
-fn library(folder: &Path, description: &Description) -> Result<PathBuf, RunError> {
-    let identifier = &description.model_identifier;
-    let platform = platform(description.fmi);
-    let file = format!("{identifier}{}", std::env::consts::DLL_SUFFIX);
-    let file = if cfg!(target_os = "macos") {
-        format!("{identifier}.dylib")
-    } else {
-        file
-    };
-    let binaries = folder.join("binaries");
-    let path = binaries.join(platform).join(&file);
-    if path.is_file() {
-        return Ok(path);
-    }
-    let mut found: Vec<String> = std::fs::read_dir(&binaries)
-        .into_iter()
-        .flatten()
-        .flatten()
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect();
-    found.sort();
-    Err(RunError::Platform {
-        platform: platform.to_owned(),
-        file,
-        found: if found.is_empty() {
-            "none".to_owned()
-        } else {
-            found.join(", ")
-        },
-    })
-}
-
 /// Something of each variable by its name, and a default for `time`.
 fn of_each<T: Default>(
     description: &Description,
@@ -224,7 +186,7 @@ impl Run {
         tolerance: Option<f64>,
         debug_logging: bool,
     ) -> Result<Self, RunError> {
-        let library = library(folder, description)?;
+        let library = binary::library(folder, description)?;
         let (resources, guid) = (folder.join("resources"), &description.guid);
         let interface = description.interface;
         let slave = match description.fmi {
@@ -326,7 +288,8 @@ impl Run {
     fn event(&mut self, time: f64, stop: f64) -> Result<(), RunError> {
         let failed = |error: LibraryError| stopped(time, stop, &error);
         self.slave.enter_event_mode().map_err(failed)?;
-        self.apply(time).map_err(failed)?;
+        let applied = self.apply(time);
+        applied.map_err(|error| stopped(time, stop, &error))?;
         let held = self
             .held
             .iter()
@@ -375,10 +338,22 @@ impl Run {
     }
 
     /// Sets all inputs to what they are at `time`.
-    pub(super) fn apply(&mut self, time: f64) -> Result<(), LibraryError> {
+    pub(super) fn apply(&mut self, time: f64) -> Result<(), RunError> {
         let Some(signals) = self.signals.take() else {
             return Ok(());
         };
+        let done = self.set_all(&signals, time).map_err(|error| {
+            let what = error.to_string();
+            match signals.place_of(&what, time) {
+                Some(place) => RunError::Name { place, what },
+                None => error.into(),
+            }
+        });
+        self.signals = Some(signals);
+        done
+    }
+
+    fn set_all(&mut self, signals: &Signals, time: f64) -> Result<(), LibraryError> {
         let (mut references, mut values, mut slopes) = (Vec::new(), Vec::new(), Vec::new());
         for signal in &signals.list {
             let value = signals.value(signal, time);
@@ -403,7 +378,6 @@ impl Run {
                 .unzip();
             self.slave.set_slopes(&references, &slopes)?;
         }
-        self.signals = Some(signals);
         Ok(())
     }
 

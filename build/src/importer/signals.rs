@@ -3,8 +3,9 @@
 //! Before the first row and after the last row the values are constant. Two rows at one time are a
 //! jump: a step of the simulation ends there, and the second row applies.
 
-use super::csv::Table;
+use super::csv::{Names, Table};
 use super::variable::{Kind, Variable};
+use std::path::{Path, PathBuf};
 use urdf2fmu_core::clock;
 use urdf2fmu_core::digits::Digits;
 
@@ -39,6 +40,8 @@ pub struct Signals {
     events: Vec<f64>,
     /// How far apart, s, a time and that of a row may lie that are taken for the same.
     allowed: f64,
+    /// The file, and where its columns and rows stand.
+    file: Option<(PathBuf, Names)>,
 }
 
 impl Signals {
@@ -61,7 +64,30 @@ impl Signals {
             table,
             events,
             allowed,
+            file: None,
         }
+    }
+
+    /// The same, read from a file.
+    pub fn of_file(self, path: &Path, names: Names) -> Self {
+        let file = Some((path.to_owned(), names));
+        Self { file, ..self }
+    }
+
+    /// Where the value stands that an FMU has refused at `time`, as file, line and column: of the
+    /// variable that it has named in quotes, in the row from which or towards which the value went.
+    pub fn place_of(&self, said: &str, time: f64) -> Option<String> {
+        let (path, names) = self.file.as_ref()?;
+        let named = |signal: &&Signal| said.contains(&format!("'{}'", signal.variable.name));
+        let signal = self.list.iter().find(named)?;
+        let (next, ..) = self.around(signal, time);
+        let row = match self.current(time) {
+            Some(row) if !signal.is_continuous() => row,
+            _ => next.min(self.table.rows.len() - 1),
+        };
+        let (line, column) = (names.rows.get(row)?, names.columns.get(signal.column)?);
+        let path = path.display();
+        Some(format!("'{path}', line {line}, column {column}"))
     }
 
     /// What to tell of a table whose times miss those of the run, or hold it many times: nearly
@@ -192,6 +218,36 @@ impl Signals {
 #[allow(clippy::float_cmp, reason = "values of rows are exact")]
 mod tests {
     use super::*;
+
+    /// Between the rows a value goes towards the next one; at a row it is that of the row.
+    #[test]
+    fn a_value_that_is_refused_has_the_place_of_its_row() {
+        let text = "time,v,u\n\n0,0,1\n1,0,2\n\n2,0,-5\n";
+        for (variability, time, line) in [
+            ("continuous", 0.0, 3),
+            ("continuous", 0.5, 4),
+            ("continuous", 1.0, 4),
+            ("continuous", 1.7, 6),
+            ("continuous", 3.0, 6),
+            ("discrete", 1.7, 4),
+            ("discrete", 2.0, 6),
+        ] {
+            let (table, names) = Table::parse(text, |_| None).expect("legal");
+            let signal = Signal {
+                column: 2,
+                ..signals(text, variability).list.remove(0)
+            };
+            let signals = Signals::new(table, vec![signal], 1e-9);
+            let signals = signals.of_file(Path::new("in.csv"), names);
+            let place = signals.place_of("variable 'u' must be above 0", time);
+            let expected = format!("'in.csv', line {line}, column 3");
+            assert_eq!(place, Some(expected), "{variability} {time}");
+            assert_eq!(
+                signals.place_of("variable 'uv' must be above 0", time),
+                None
+            );
+        }
+    }
 
     fn signals(text: &str, variability: &str) -> Signals {
         let (table, _) = Table::parse(text, |_| None).expect("legal");
