@@ -4,6 +4,8 @@ pub(crate) mod closing;
 
 use crate::closure::Gap;
 use crate::kinematics::Kinematics;
+#[cfg(feature = "urdf")]
+use crate::kinematics::advance;
 use crate::model::{Body, JointId, Model, RootId};
 use crate::parameters::Parameters;
 use crate::slots::ParameterSlot as P;
@@ -12,6 +14,8 @@ use crate::spatial::{Vec3, quaternion_from_rotation, rotation_from_rpy};
 use crate::spatial::{rotation_from_quaternion, rpy_from_rotation};
 use crate::state::{Physical, State};
 use crate::tree::{BaseFrame, Tree, TreeCollider};
+#[cfg(feature = "urdf")]
+use crate::tuning::SPARE;
 
 /// The state that the parameters ask for at `time`, s.
 #[cfg_attr(small, optimize(size))]
@@ -194,4 +198,26 @@ pub(crate) fn close_model(model: &mut Model, held: &[Vec<bool>; 2]) -> Option<(u
         }
     }
     open
+}
+
+/// Loops that hold nothing, or next to nothing, where the robot begins and where all joints are
+/// farther by 1 rad or 1 m: which, and how much of their ends' motion, at most.
+#[cfg(feature = "urdf")]
+pub(crate) fn idle_loops(model: &Model) -> Vec<(usize, f64)> {
+    let parameters = Parameters::new(model);
+    let tree = Tree::new(model, &parameters);
+    let begin = initial_state(model, &parameters, 0.0).physical.q;
+    let mut farther = begin.clone();
+    advance(&tree, &begin, &vec![1.0; model.nv()], 1.0, &mut farther);
+    let mut shares = vec![0.0_f64; model.loops.len()];
+    let mut kin = Kinematics::new(&tree);
+    for q in [begin, farther] {
+        kin.update_poses(&tree, &q);
+        kin.update_loops(&tree);
+        for (index, share) in shares.iter_mut().enumerate() {
+            *share = share.max(kin.loops.share(&tree, index));
+        }
+    }
+    let shares = shares.into_iter().enumerate();
+    shares.filter(|(_, share)| *share < SPARE.sqrt()).collect()
 }

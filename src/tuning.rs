@@ -689,7 +689,9 @@ pub const LINE_SEARCH_EDGE: f64 = 1e-3;
 /// and a thousandth of what would be seen of it (`redundant_rows_share_their_force`).
 pub const LOOP_COMPLIANCE: f64 = 1e-13;
 /// Share of the largest pivot below which a row of a loop is redundant: ten thousand times
-/// round-off (`bricards_mechanism_moves_and_keeps_its_energy`).
+/// round-off (`bricards_mechanism_moves_and_keeps_its_energy`). What is left of two velocities is
+/// round-off below this share of them (`a_loop_on_the_axis_of_a_joint_holds_nothing`), and its root
+/// is what the message about such a loop takes for nothing.
 pub const SPARE: f64 = 1e-12;
 /// Weight of the motors' forces in loops beside the accelerations that they leave, both in units of
 /// what a motor alone does: motors that hold the same joints share their load, near a singular

@@ -417,6 +417,18 @@ pub(super) fn close(
     if !tells {
         return;
     }
+    for (index, share) in crate::initial::idle_loops(model) {
+        let (name, place) = (&model.loops[index].name, places.get(index));
+        let what = if share > 0.0 {
+            "nearly nothing: joints open it by less than a millionth of their way, and it holds \
+             them still by great forces"
+        } else {
+            "nothing: no motion of the joints opens it"
+        };
+        let message = format!("loop '{name}' holds {what}");
+        let help = "leave it out, or correct its origins and axes";
+        findings.warning("A140", place.cloned().flatten(), message, help);
+    }
     let joints = model.joints.iter().zip(&before);
     let moved = joints.zip(&model.initial.joint_positions);
     let moved = moved.filter(|((_, from), to)| (*to - *from).abs() > SHOWN);

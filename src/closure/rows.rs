@@ -5,7 +5,7 @@
 use super::search::Search;
 use crate::spatial::{Mat3, Pose, Vec3, Vec6, angular, linear, velocity_at};
 use crate::tree::{Closure, ClosureKind, End, Tree};
-use crate::tuning::LEAST_LEVER;
+use crate::tuning::{LEAST_LEVER, SPARE};
 use std::ops::Range;
 
 /// Rows of all loops that a step works on, one after the other.
@@ -16,9 +16,14 @@ pub struct Rows {
     /// `J̇v`, m/s²; filled by [`Self::find_bias`].
     pub bias: Vec<f64>,
     /// `J`, of each row at the degrees of freedom of its loop; filled by [`Self::find`].
-    J: Vec<f64>,
+    ///
+    /// What is round-off of its [`Self::sides`] is 0: bodies that turn about one axis are held by
+    /// nothing on it, however it lies.
+    pub(super) J: Vec<f64>,
+    /// Of each entry of `J`, how much its terms amount to that may cancel each other.
+    pub(super) sides: Vec<f64>,
     /// Where the entries of each row begin.
-    start: Vec<usize>,
+    pub(super) start: Vec<usize>,
     /// The loop of each row, and its place among the rows of that.
     of: Vec<usize>,
     place: Vec<usize>,
@@ -29,7 +34,7 @@ pub struct Rows {
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Rows: gap bias J start of place keep search;);
+crate::spoil::spoil!(Rows: gap bias J sides start of place keep search;);
 
 /// How far a loop is open.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -134,10 +139,12 @@ impl Rows {
     pub fn new(tree: &Tree) -> Self {
         let rows = Self::most(tree);
         let entries = tree.closures.iter().map(|c| c.kind.rows() * c.dofs.len());
+        let entries = entries.sum();
         Self {
             gap: Vec::with_capacity(rows),
             bias: Vec::with_capacity(rows),
-            J: Vec::with_capacity(entries.sum()),
+            J: Vec::with_capacity(entries),
+            sides: Vec::with_capacity(entries),
             start: Vec::with_capacity(rows),
             of: Vec::with_capacity(rows),
             place: Vec::with_capacity(rows),
@@ -169,11 +176,17 @@ impl Rows {
     pub fn find(&mut self, tree: &Tree, places: Places) {
         self.gap.clear();
         self.J.clear();
+        self.sides.clear();
         self.start.clear();
         self.of.clear();
         self.place.clear();
         for (index, closure) in tree.worked_closures() {
             self.append(tree, places, (index, closure));
+        }
+        for (entry, side) in self.J.iter_mut().zip(&self.sides) {
+            if entry.abs() <= SPARE * side {
+                *entry = 0.0;
+            }
         }
         self.drop_spare(tree);
     }
@@ -232,17 +245,19 @@ impl Rows {
         let first = self.J.len();
         let count = closure.kind.rows();
         self.J.resize(first + count * n, 0.0);
+        self.sides.resize(first + count * n, 0.0);
         for row in 0..count {
             self.start.push(first + row * n);
             self.of.push(index);
             self.place.push(row);
         }
-        let J = &mut self.J[first..];
+        let (J, sides) = (&mut self.J[first..], &mut self.sides[first..]);
         if let ClosureKind::Coupler { terms, sum, .. } = &closure.kind {
             // The gap is that of positions, which `close_coupler` fills in.
             let lever = lever(tree, closure);
             for (_, place, factor) in terms {
                 J[*place] += lever * factor;
+                sides[*place] += lever * factor.abs();
             }
             self.gap.push(-lever * sum);
             return;
@@ -256,17 +271,21 @@ impl Rows {
             for (column, place) in columns {
                 let S = &places.S[*column];
                 let v = velocity_at(S, x) * sign;
+                let side = linear(S).norm() + angular(S).norm() * x.norm();
                 if let ClosureKind::Distance(_) = closure.kind {
                     J[*place] += direction.dot(&v);
+                    sides[*place] += side;
                     continue;
                 }
                 for i in 0..3 {
                     J[i * n + place] += v[i];
+                    sides[i * n + place] += side;
                 }
                 let turning = count - 3;
                 let w = angular(S) * (sign * lever);
                 for i in 0..turning {
                     J[(3 + i) * n + place] += R.column(i).dot(&w);
+                    sides[(3 + i) * n + place] += w.norm();
                 }
             }
         }

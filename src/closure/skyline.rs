@@ -63,14 +63,20 @@ impl Skyline {
         &mut self.entries[begin..]
     }
 
-    /// Adds a share of the mean diagonal to the diagonal.
+    /// Adds a share of the mean diagonal to the diagonal. Where that is 0 it becomes infinite: what
+    /// moves nothing has no force.
     pub fn soften(&mut self, share: f64) {
         let diagonal = |i: usize| self.start[i + 1] - 1;
         let trace: f64 = (0..self.len()).map(|i| self.entries[diagonal(i)]).sum();
         #[expect(clippy::cast_precision_loss, reason = "a small count")]
         let more = (share * trace / self.len() as f64).max(f64::MIN_POSITIVE);
         for end in &self.start[1..] {
-            self.entries[end - 1] += more;
+            let entry = &mut self.entries[end - 1];
+            *entry = if *entry > 0.0 {
+                *entry + more
+            } else {
+                f64::INFINITY
+            };
         }
     }
 

@@ -25,6 +25,17 @@ impl Rows {
         self.drop_spare(tree);
     }
 
+    /// How much of what a loop's ends move by is left of their motion against each other, at most:
+    /// 0 where the loop holds nothing.
+    #[cfg(feature = "urdf")]
+    pub fn share(&self, tree: &Tree, closure: usize) -> f64 {
+        let n = tree.closures[closure].dofs.len();
+        let rows = self.of(tree, closure).map(|row| self.start[row]);
+        let entries = rows.flat_map(|start| start..start + n);
+        let shares = entries.map(|e| self.J[e].abs() / self.sides[e].max(f64::MIN_POSITIVE));
+        shares.fold(0.0, f64::max)
+    }
+
     /// Leaves out rows that vanish, and tells whether the others say something new each, by far: in
     /// the order of the rows each pivot is above the root of what it has to be above in the best
     /// one.

@@ -48,7 +48,7 @@ pub const CODES: &[Row] = &[
     ("A137", "A `[[outputs.pair]]` that is not valid.", "Name two sides that can touch."),
     ("A138", "Links without mass weigh what their collision shapes weigh by the density given, or, where they could not move, the missing mass.", "`[link.\"…\"] mass` sets the mass of one."),
     ("A139", "A name clashes with another one in the names of variables.", "Rename what the finding names."),
-    ("A140", "A `[[loop]]` or `[[spring]]` that is not valid: a name that means nothing, two links that do not move against each other, or a second one of the same name.", "Correct what the finding names."),
+    ("A140", "A `[[loop]]` or `[[spring]]` that is not valid: a name that means nothing, two links that do not move against each other, or a second one of the same name; a warning for a loop that holds nothing, because its ends lie on the axis of the joint between its links.", "Correct what the finding names."),
     ("A141", "The initial pose was moved so that the loops close, or cannot be.", "Correct the places where a loop holds its links, or `[initial] joints`."),
     ("A142", "What Model Exchange has no equations for: a rebound, a sensor that takes samples or errs, a closed loop, more continuous states than importers can work with.", "Leave it out, or export with `--interface cs`."),
     ("A143", "Gravity points upwards, nearly always because its sign was forgotten; or along -y, as where y is up; or it is the earth's in mm/s² or cm/s².", "`[world] gravity = [0, 0, -9.81]`. What hangs from a ceiling is turned by `[initial] rpy` instead."),

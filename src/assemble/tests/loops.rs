@@ -391,3 +391,43 @@ fn commands_that_are_not_set_follow_what_closes_the_loops() {
     assert!((found - own).abs() > 0.1, "{found} {own}");
     assert_eq!(s.input(command).to_bits(), found.to_bits());
 }
+
+/// The crank turns about y: a pin on that axis holds nothing, one beside it by 10 nm all but
+/// nothing. A rod that is stretched out at the start holds the crank.
+#[test]
+fn a_loop_that_holds_nothing_is_told() {
+    let pin = |kind: &str, x: f64| {
+        format!(
+            "[[loop]]\ntype = \"{kind}\"\nlinks = [\"base\", \"crank\"]\n\
+             origins = [[{x}, 0.3, 0], [{x}, 0.3, 0]]\n"
+        )
+    };
+    let axes = "axes = [[0, 1, 0], [0, 1, 0]]\n";
+    let rod = "[[loop]]\ntype = \"distance\"\nlinks = [\"base\", \"crank\"]\norigins = ";
+    let told = |settings: &str| {
+        let built = built("", settings).unwrap_or_else(|e| panic!("{settings}: {:?}", texts(&e)));
+        let mut found = built.diagnostics.into_iter().filter(|d| d.code == "A140");
+        let first = found.next().map(|d| (d.message, d.place.map(|p| p.line)));
+        assert!(found.next().is_none(), "{settings}");
+        first
+    };
+    for settings in [
+        pin("ball", 0.0),
+        pin("hinge", 0.0) + axes,
+        format!("{rod}[[0, 0.3, 0], [0, 0.6, 0]]\n"),
+        format!("{BALL}{}", pin("ball", 0.0)),
+    ] {
+        let (message, line) = told(&settings).unwrap_or_else(|| panic!("{settings}"));
+        assert!(message.contains("holds nothing"), "{settings}: {message}");
+        assert!(line.is_some(), "{settings}");
+    }
+    let near = told(&pin("ball", 1e-8)).expect("it tells");
+    assert!(near.0.contains("nearly nothing"), "{near:?}");
+    for settings in [
+        BALL.to_owned(),
+        pin("ball", 0.01),
+        format!("{rod}[[3, 0, 0], [1, 0, 0]]\n"),
+    ] {
+        assert_eq!(told(&settings), None, "{settings}");
+    }
+}

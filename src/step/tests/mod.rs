@@ -26,6 +26,7 @@ mod fixed;
 mod frames;
 mod free;
 mod hills;
+mod idle;
 mod impacts;
 mod inputs;
 mod islands;
