@@ -6,6 +6,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::findings::{Findings, listed};
+use super::pairs::what;
 use super::robot::{is_scalar, kind_name};
 use crate::diagnostic::Place;
 use crate::diagnostic::words::likeliest;
@@ -230,10 +231,17 @@ fn link(
     findings: &mut Findings,
 ) -> Result<Option<LinkId>, Reported> {
     let text = &pattern.text;
-    if let Some(link) = model.links.iter().position(|link| link.name == *text) {
+    let link = model.links.iter().position(|link| link.name == *text);
+    let root = model.roots.iter().skip(1).find(|root| root.name == *text);
+    if let (Some(_), Some(root)) = (link, root) {
+        let message = format!("'{text}' means a link and {}", what(root.kind));
+        findings.error("A140", pattern.place.clone(), message, "rename one of them");
+        return Err(Reported);
+    }
+    if let Some(link) = link {
         return Ok(Some(link.into()));
     }
-    if let Some(root) = model.roots.iter().skip(1).find(|root| root.name == *text) {
+    if let Some(root) = root {
         return Ok(Some(model.bodies[root.body.index()].link));
     }
     if text == WORLD {

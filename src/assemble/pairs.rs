@@ -82,6 +82,14 @@ impl Meaning<'_> {
     }
 }
 
+/// What stands in the world, in a sentence.
+pub(super) fn what(kind: RootKind) -> &'static str {
+    match kind {
+        RootKind::Robot => "a robot",
+        RootKind::Object => "an object",
+    }
+}
+
 /// Every name that a side may have.
 fn meanings(model: &Model) -> Vec<Meaning<'_>> {
     let shaped: BTreeSet<LinkId> = model.colliders.iter().map(|c| c.link).collect();
@@ -102,10 +110,7 @@ fn meanings(model: &Model) -> Vec<Meaning<'_>> {
         let own = links().filter(|(_, link)| model.root_of(link.body) == id);
         meanings.push(Meaning {
             name: &root.name,
-            what: match root.kind {
-                RootKind::Robot => "a robot",
-                RootKind::Object => "an object",
-            },
+            what: what(root.kind),
             links: own
                 .filter(|(id, _)| shaped.contains(id))
                 .map(|(id, _)| Some(id))

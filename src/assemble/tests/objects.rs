@@ -123,3 +123,23 @@ fn an_object_says_what_the_meshes_of_its_file_become() {
     let findings = Settings::parse(refused, "s").expect_err("a shape has no mesh");
     assert_eq!(findings[0].code, "S106");
 }
+
+/// An object that is called as a link is: a pair does not guess which is meant, and neither does a
+/// loop or a spring.
+#[test]
+fn a_name_of_two_things_is_no_end_of_a_loop_or_a_spring() {
+    for part in ["[[loop]]\ntype = \"ball\"", "[[spring]]\nstiffness = 100"] {
+        let text = |name: &str| {
+            format!(
+                "[[world.object]]\nname = \"{name}\"\nshape = {{ box = [1, 1, 1] }}\nmass = 1\n\
+                 xyz = [0, 3, 1]\n{part}\nlinks = [\"chassis\", \"world\"]\n\
+                 origins = [[0, 0, 0], [0, 0, 1]]"
+            )
+        };
+        let findings = surrounded(&text("chassis"), None).expect_err("two things");
+        let told = findings.iter().find(|finding| finding.code == "A140");
+        let told = told.unwrap_or_else(|| panic!("{findings:?}"));
+        assert!(told.message.contains("a link and an object"), "{told:?}");
+        assert!(told.place.is_some(), "{told:?}");
+    }
+}
