@@ -57,11 +57,16 @@ fn group(model: &mut Model, settings: &GroupSettings, findings: &mut Findings) -
         return error(message, "give it another one");
     }
     let taken = |group: &&Group| identifier(&group.name) == identifier(name);
-    if model.outputs.groups.iter().any(|group| taken(&group)) {
-        return error(
-            format!("a second group is named '{name}'"),
-            "give it another name",
-        );
+    if let Some(other) = model.outputs.groups.iter().find(taken) {
+        let message = if other.name == *name {
+            format!("a second group is named '{name}'")
+        } else {
+            format!(
+                "groups '{}' and '{name}' have the same name among variables",
+                other.name
+            )
+        };
+        return error(message, "give it another name");
     }
     let names: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
     let commanded: Vec<Option<usize>> = (0..names.len())

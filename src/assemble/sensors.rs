@@ -223,7 +223,14 @@ fn name(
     let others = &model.outputs.sensors;
     let same = |other: &&Sensor| identifier(&other.name) == identifier(name);
     if let Some(other) = others.iter().find(same) {
-        let message = format!("a second sensor is named '{}'", other.name);
+        let message = if other.name == *name {
+            format!("a second sensor is named '{name}'")
+        } else {
+            format!(
+                "sensors '{}' and '{name}' have the same name among variables",
+                other.name
+            )
+        };
         let place = settings.name.as_ref().unwrap_or(&settings.on).place.clone();
         findings.error("A131", place, message, "give one of them a name = \"…\"");
         return None;

@@ -104,6 +104,11 @@ fn object(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
         let help = "leave it out, or set static = false";
         reader.error("S106", &entry.span, message, help);
     }
+    // That of a static one has been told.
+    let speed = |key: &str| {
+        let own = vector(section, key);
+        if fixed { Vec3::zeros() } else { own }
+    };
     let (xy, z) = place(section);
     let idle = section.entry("mass").filter(|_| fixed || driven);
     let idle_mass = idle.map(|entry| reader.place(&entry.span));
@@ -115,8 +120,8 @@ fn object(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
             xy: xy.unwrap_or_default(),
             z,
             rpy: vector(section, "rpy"),
-            linear_velocity: vector(section, "linear_velocity"),
-            angular_velocity: vector(section, "angular_velocity"),
+            linear_velocity: speed("linear_velocity"),
+            angular_velocity: speed("angular_velocity"),
             velocity_place: velocity.map(|entry| reader.place(&entry.span)),
             ..InitialSettings::default()
         },
@@ -159,8 +164,12 @@ fn conveyor(reader: &mut Reader, section: &Section, fixed: bool) -> bool {
     let conveyor = section.flag("conveyor");
     if let (true, false, Some(entry)) = (conveyor, fixed, section.entry("conveyor")) {
         let message = "what moves has no conveyor";
-        let span = entry.span.clone();
-        reader.error("S106", &span, message, "set static = true");
+        let help = if section.flag("driven") {
+            "leave out conveyor or driven: what is driven carries things by its own motion"
+        } else {
+            "set static = true"
+        };
+        reader.error("S106", &entry.span.clone(), message, help);
     }
     conveyor && fixed
 }
@@ -170,7 +179,11 @@ fn driven(reader: &mut Reader, section: &Section, fixed: bool) -> bool {
     let driven = section.flag("driven");
     if let (true, true, Some(entry)) = (driven, fixed, section.entry("driven")) {
         let message = "a static object is not driven";
-        let help = "leave out static: what is driven yields to nothing, either";
+        let help = if section.flag("conveyor") {
+            "leave out driven: a conveyor is static"
+        } else {
+            "leave out static: what is driven yields to nothing, either"
+        };
         reader.error("S106", &entry.span, message, help);
     }
     driven && !fixed

@@ -93,6 +93,10 @@ fn groups_that_cannot_share_a_command_are_errors_with_their_place() {
             "second group",
         ),
         (
+            group("a.b", "\"left\"") + &group("a_b", "\"right\""),
+            "groups 'a.b' and 'a_b'",
+        ),
+        (
             group("a", "\"left\"") + &group("b", "\"left\", \"right\""),
             "in group 'a' already",
         ),
@@ -114,6 +118,15 @@ fn groups_that_cannot_share_a_command_are_errors_with_their_place() {
     let found = error(&lifted(), &(passive + &group("a", "\"left\"")));
     assert_eq!(found.code, "A102");
     assert!(found.message.contains("not commanded"), "{}", found.message);
+    let imu =
+        |name: &str| format!("[[sensor]]\ntype = \"imu\"\nlink = \"chassis\"\nname = \"{name}\"\n");
+    let found = error(&lifted(), &(imu("a.b") + &imu("a_b")));
+    assert_eq!(found.code, "A131");
+    assert!(
+        found.message.contains("sensors 'a.b' and 'a_b'"),
+        "{}",
+        found.message
+    );
 }
 
 #[test]

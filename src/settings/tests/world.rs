@@ -147,4 +147,27 @@ fn what_is_driven_has_no_need_of_a_mass() {
         assert_eq!(code, "S106");
         assert_eq!(line, if other == "static" { 5 } else { 4 }, "{told}");
     }
+    // No advice leads from one error to another one.
+    for (keys, advice) in [
+        (
+            "conveyor = true\ndriven = true",
+            "leave out conveyor or driven",
+        ),
+        (
+            "static = true\nconveyor = true\ndriven = true",
+            "leave out driven",
+        ),
+    ] {
+        let text =
+            format!("[[world.object]]\nname = \"a\"\nshape = {{ sphere = 1 }}\nmass = 1\n{keys}");
+        let told = message(&text).2;
+        assert!(told.contains(advice), "{keys}: {told}");
+    }
+    // What else is computed of a static object has nothing to say of its velocity.
+    let text = "[[world.object]]\nname = \"a\"\nshape = { sphere = 1 }\nstatic = true\n\
+                linear_velocity = [1, 0, 0]";
+    assert_eq!(message(text).0, "S106");
+    let (settings, _) = Settings::read_by(Reader::new("f", text), None);
+    let initial = &settings.expect("the rest").objects[0].initial;
+    assert_eq!(initial.linear_velocity, Vec3::zeros());
 }
