@@ -152,7 +152,8 @@ spoil!(Terms: contacts turns joints springs;);
 spoil!(Other: body from axes;);
 spoil!(
     Contact: body other link other_link slot thickness mass normal uneven points depth weights
-    spring damping load tilting bounce duration center radius drift rise carried rubbing mu wound friction;
+    spring damping load tilting bounce duration center radius drift rise bent carried rubbing mu
+    wound friction;
 );
 spoil!(ContactPoint: corner x normal row arm depth share load rim;);
 

@@ -169,6 +169,8 @@ pub struct Contact {
     pub drift: Vec3,
     /// The same for the velocities of its points along their normals, m/s.
     pub rise: f64,
+    /// How fast its depth grows by what a secant has added to its rows, m/s, which is not damped.
+    pub bent: f64,
     /// What the sliding velocity is more because a surface moves, m/s: tangential.
     pub carried: Vec3,
     /// Share of its friction that it has: less than 1 of a deep overlap.
@@ -372,7 +374,7 @@ impl Contact {
         } else {
             depth - self.depth
         };
-        let (force, slope) = self.normal_force(depth, change / h, h);
+        let (force, slope) = self.normal_force(depth, change / h - self.bent, h);
         let mut weights = 0.0;
         for (p, r) in own.iter().zip(&mut out[first..]) {
             let part = r.weight.max(0.0) / depth;

@@ -17,6 +17,12 @@
 //! centres of mass of both bodies, of each as much as it turns. The force stays one between the two
 //! bodies in one place, so that momentum is kept.
 //!
+//! What `ε` adds to the depth within a step is no approach of the two bodies, and Hunt and
+//! Crossley's damping does not count it: a ball that rolls onto a second facet of a mesh is a fifth
+//! deeper at once, however short the step, and damped along `−ε d̂` it would lose `F D ε²/|d|` of
+//! its momentum, without bound. Of a rate it leaves out no more than the whole, so that it never
+//! acts along with the motion.
+//!
 //! Source: the discrete gradient of Gonzalez, Time integration and discrete Hamiltonian systems,
 //! J. Nonlinear Science 6 (1996), for the depth in place of the energy.
 
@@ -39,17 +45,20 @@ pub struct Secant {
     angular: Vec3,
     /// Added to the depth in the middle, m.
     deeper: f64,
+    /// How fast the depth grows by what is added to the rows, and at all, m/s.
+    rates: [f64; 2],
 }
 
 impl Secant {
     /// Of a contact; none where its rows err by less than [`STEEP`], as what turns in a step does.
     ///
     /// - `errors`: by how much deeper it is at the start and at the end than the step takes it, m
+    /// - `grown`: by how much deeper it has become, m
     /// - `V`, `h`: mean velocities of all bodies over the step of `h` seconds
     pub fn new(
         (tree, kin): (&Tree, &Kinematics),
         contact: &Contact,
-        errors: [f64; 2],
+        (errors, grown): ([f64; 2], f64),
         (V, h): (&[Vec6], f64),
     ) -> Option<Self> {
         let W = contact.relative(V);
@@ -67,6 +76,7 @@ impl Secant {
             linear,
             angular: contact.center.cross(&linear) - turn * (square * share),
             deeper: 0.5 * (errors[0] + errors[1]) / contact.weights,
+            rates: [error / h, grown / h],
         })
     }
 
@@ -80,10 +90,13 @@ impl Secant {
         self.linear += other.linear;
         self.angular += other.angular;
         self.deeper += other.deeper;
+        self.rates = [self.rates[0] + other.rates[0], other.rates[1]];
     }
 
     /// Changes the rows of a contact's points.
     pub fn bend(&self, contact: &mut Contact, points: &mut [ContactPoint]) {
+        let [bent, whole] = self.rates;
+        contact.bent = bent.clamp(whole.min(0.0), whole.max(0.0));
         contact.uneven = true;
         for p in &mut points[contact.points.clone()] {
             p.row += self.linear;
@@ -115,7 +128,7 @@ fn mean_square_of_levers((tree, kin): (&Tree, &Kinematics), contact: &Contact, V
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Secant: slot linear angular deeper;);
+crate::spoil::spoil!(Secant: slot linear angular deeper rates;);
 
 #[cfg(test)]
 mod tests {
@@ -160,7 +173,7 @@ mod tests {
                 let mut V = [[0.0; 6]; 2];
                 V[turning] = [turn.x, turn.y, turn.z, v.x, v.y, v.z];
                 // The lever of the small one is 1 cm, so its surface moves by 10 µm.
-                Secant::new((s.tree(), &kin), contact, [0.0, 2e-7], (&V, h))
+                Secant::new((s.tree(), &kin), contact, ([0.0, 2e-7], 0.0), (&V, h))
             };
             found.push(secant(0).expect("a fiftieth of its way"));
             // Of the way of the large one it is less than a 200th.

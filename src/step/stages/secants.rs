@@ -96,7 +96,8 @@ impl Stages {
                 continue;
             }
             let errors = [start.depth - first.depth, end - response.depth];
-            let found = Secant::new((ctx.tree, kin), contact, errors, (&self.way, h));
+            let depths = (errors, end - start.depth);
+            let found = Secant::new((ctx.tree, kin), contact, depths, (&self.way, h));
             let Some(found) = found else { continue };
             any = true;
             let known = |secant: &&mut Secant| secant.slot() == found.slot();

@@ -45,6 +45,7 @@ mod properties;
 mod ratios;
 mod regions;
 mod rolling;
+mod seams;
 mod servos;
 mod springs;
 mod standing;
