@@ -239,6 +239,13 @@ pub const MAX_CARRIES: usize = 3;
 /// both err by the same (`shortened` in `step/explicit.rs`). At 1000 fails
 /// `an_effort_that_varies_in_time_is_integrated_within_one_step`.
 pub const SHORT: f64 = 0.85;
+/// Time constants of the fastest damping that an explicit step may take. Bogacki & Shampine's is
+/// stable up to 2.51 of them, and the search finds a few hundredths too little. At 20 fails
+/// `a_damped_chain_stays_where_it_hangs_in_fixed_steps`.
+pub const FADED: f64 = 2.0;
+/// Rounds of the search for the fastest motion of laws, springs and dampers. At 0 fails
+/// `a_chain_that_pd_laws_hold_is_still_in_steps_of_any_length`.
+pub const RATE_ROUNDS: usize = 3;
 /// Square of the angle, rad², that a spring of a pd law may turn by in an explicit step: longer
 /// steps do not resolve it, and are taken implicitly. At 100 fails
 /// `a_spring_that_swings_too_fast_to_be_seen_comes_to_its_target`.

@@ -42,7 +42,7 @@ pub use pair::{can_pass, light_touch};
 pub use pairs::may_pass;
 pub use point::{ContactPoint, PointResponse, PointVelocity, Rim};
 pub use secant::Secant;
-pub use spring::{SpringTerm, held_by_springs, push_springs};
+pub use spring::{SpringTerm, held_by_springs, pull_back, push_springs};
 pub use terms::{Responses, Solved, Terms, Velocities};
 pub use turn::{Turn, TurnResponse, find_turns};
 

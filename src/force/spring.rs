@@ -123,6 +123,27 @@ impl SpringTerm {
         n * -(self.tension(length) + self.damping * n.dot(u))
     }
 
+    /// Stiffness, N/m.
+    pub fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
+    /// Damping, N·s/m.
+    pub fn damping(&self) -> f64 {
+        self.damping
+    }
+
+    /// What of `u` lies along the line, times `factor`. Of a spring without a length all of it: it
+    /// is as stiff across the line where it is short.
+    pub fn along(&self, u: &Vec3, factor: f64) -> Vec3 {
+        let (length, n) = self.line();
+        if length > 0.0 {
+            n * (factor * n.dot(u))
+        } else {
+            u * factor
+        }
+    }
+
     /// Share of the force that turns with the line, `w`.
     fn turning_share(&self) -> f64 {
         1.0 - self.across / self.stiffness.max(f64::MIN_POSITIVE)
@@ -251,6 +272,13 @@ pub fn push_springs(tree: &Tree, kin: &Kinematics, F: &mut [Vec6], effort: &mut 
         let spring = SpringTerm::new(tree, kin, index, spring);
         spring.act(&spring.force(&spring.relative(&kin.V)), F);
     }
+    pull_back(tree, kin, F, effort);
+}
+
+/// Adds what forces on bodies do along each degree of freedom.
+///
+/// - `F`: one a body; those of what hangs on it are added
+pub fn pull_back(tree: &Tree, kin: &Kinematics, F: &mut [Vec6], effort: &mut [f64]) {
     for (b, body) in tree.worked_bodies().rev() {
         let own = F[b];
         for c in body.column..body.column + body.columns {
@@ -259,30 +287,5 @@ pub fn push_springs(tree: &Tree, kin: &Kinematics, F: &mut [Vec6], effort: &mut 
         if !body.kind.is_base() {
             add6(&mut F[body.parent], &own);
         }
-    }
-}
-
-impl SpringTerm {
-    /// Squared angular frequency, rad²/s², and rate, 1/s, with which the spring and its damper move
-    /// what hangs on them.
-    pub fn rates(&self, tree: &Tree, kin: &Kinematics) -> [f64; 2] {
-        let (length, n) = self.line();
-        let mut mobility = 0.0;
-        let places = self.places();
-        let bodies = [Some(self.body), self.other.map(|other| other.body)];
-        for (body, x) in bodies.into_iter().zip(&places) {
-            let Some(body) = body else { continue };
-            for c in tree.columns_to(body) {
-                let v = velocity_at(&kin.S[c], x);
-                // Across the line the spring is as stiff where it is short.
-                let along = if length > 0.0 {
-                    n.dot(&v) * n.dot(&v)
-                } else {
-                    v.norm_squared()
-                };
-                mobility += along * kin.inverse_diagonal[tree.dof[c]];
-            }
-        }
-        [self.stiffness * mobility, self.damping * mobility]
     }
 }

@@ -11,7 +11,7 @@ use crate::state::State;
 use crate::step::attempt::Attempt;
 use crate::step::caps;
 use crate::step::closing::Closing;
-use crate::step::explicit::{self, Explicit};
+use crate::step::explicit::Explicit;
 use crate::step::fixed::{self, Fixed, Methods, Outcome, Part};
 use crate::step::flight::Flight;
 use crate::step::implicit::Implicit;
@@ -191,7 +191,7 @@ impl Stepper {
             if self.coast(ctx, state, &mut way)? {
                 continue;
             }
-            if let Some(plan) = explicit::plan(ctx, &mut self.here, state, lengths) {
+            if let Some(plan) = self.explicit.plan(ctx, &mut self.here, state, lengths) {
                 self.go_explicitly(ctx, state, &mut way, plan)?;
             } else {
                 self.go_implicitly(ctx, state, &mut way)?;

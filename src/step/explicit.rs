@@ -6,9 +6,11 @@
 //! communication point, see [`crate::state::ahead`]. Rigid bodies on which nothing but gravity acts
 //! need none of them, see `coast.rs`.
 
+mod rates;
 pub mod runge_kutta;
 pub mod tableau;
 
+use self::rates::{Rates, Search};
 use self::runge_kutta::{RungeKutta, Smooth};
 use self::tableau::{BOGACKI_SHAMPINE, DORMAND_PRINCE, KENNEDY_CARPENTER, Pair};
 use crate::force::{ContactSet, Drive, JointTerm, is_clear};
@@ -22,7 +24,7 @@ use crate::step::point::{Context, Point};
 use crate::step::size::{grown, landing, worst_error};
 use crate::step::{coast, guards};
 use crate::tree::Tree;
-use crate::tuning::{CREEP, GROWTH, HIT, MAX_STEP, RESOLVED, SHARP, SHORT, SWINGING};
+use crate::tuning::{CREEP, FADED, GROWTH, HIT, MAX_STEP, RESOLVED, SHARP, SHORT};
 
 /// An explicit step that may be tried.
 #[derive(Clone, Copy, Debug)]
@@ -42,66 +44,12 @@ pub(super) struct Explicit {
     pub end: Kinematics,
     /// None, and scratch of the search for those that shapes have passed by.
     contacts: ContactSet,
+    /// For what swings and is damped.
+    search: Search,
 }
 
 #[cfg(test)]
-crate::spoil::spoil!(Explicit: integrator end; contacts);
-
-/// Method and length of the next explicit step: beyond the communication point as long as inputs
-/// stay as they are, else up to it; none where something stiff acts, or swings too fast.
-///
-/// - `proposed`: length that the error control proposes, s
-/// - `remaining`: time to the communication point, s
-pub(super) fn plan(
-    ctx: &Context,
-    here: &mut Point,
-    state: &State,
-    [proposed, remaining]: [f64; 2],
-) -> Option<Plan> {
-    if !ctx.rules.explicit || !nothing_stiff(ctx, here) {
-        return None;
-    }
-    here.complete(ctx, &state.physical);
-    let v = &state.physical.v;
-    let swing = swing(here, v).min(spring_swing(ctx, here));
-    let long = proposed.min(MAX_STEP).min(swing);
-    // What swings faster than the shortest step that is worth while is taken implicitly.
-    if swing < state.stepping.sizes.floor[ctx.tree.island.lead] {
-        return None;
-    }
-    if ctx.rules.look_ahead && !state.stepping.ahead.has_changed(ctx.tree) {
-        if is_free(ctx, here, v, long) {
-            return Some(if resolves_damping(here, long) {
-                Plan {
-                    pair: &DORMAND_PRINCE,
-                    h: long,
-                }
-            } else {
-                Plan {
-                    pair: &KENNEDY_CARPENTER,
-                    h: long,
-                }
-            });
-        }
-        // Implicit steps reach farther than those that end at the communication point.
-        if may_look_ahead(ctx, here, state, long) {
-            return None;
-        }
-    }
-    let h = landing(long, remaining);
-    if !is_free(ctx, here, v, h) {
-        return None;
-    }
-    let short = h < shortened(ctx, proposed);
-    let pair = match (resolves_damping(here, h), short) {
-        (true, true) => &BOGACKI_SHAMPINE,
-        (true, false) => &DORMAND_PRINCE,
-        (false, false) => &KENNEDY_CARPENTER,
-        // Cut as short as this, one implicit solve may do.
-        (false, true) => return None,
-    };
-    Some(Plan { pair, h })
-}
+crate::spoil::spoil!(Explicit: integrator end search; contacts);
 
 /// Whether no joint has anything but efforts and gentle damping, and nothing touches.
 fn nothing_stiff(ctx: &Context, here: &Point) -> bool {
@@ -116,12 +64,14 @@ fn nothing_stiff(ctx: &Context, here: &Point) -> bool {
     here.terms.contacts.is_empty() && here.terms.joints.iter().all(gentle)
 }
 
-/// Longest step that resolves every pd law which swings or is at its effort limit, s. An implicit
-/// step that is longer would take the amplitude, or pass over the place where the law comes to its
-/// limit. A damped law within its limit may be taken implicitly. Where a law that is resolved comes
-/// to its limit or leaves it, the step ends: a kink within a step is a first-order error.
-fn swing(here: &Point, v: &[f64]) -> f64 {
-    here.terms.joints.iter().fold(f64::INFINITY, |least, term| {
+/// Longest step that resolves every pd law which swings or is at its effort limit, and every spring
+/// between two points, s. An implicit step that is longer would take the amplitude, or pass over
+/// the place where a law comes to its limit. A damped law within its limit may be taken implicitly.
+/// Where a law that is resolved comes to its limit or leaves it, the step ends: a kink within a
+/// step is a first-order error.
+fn swing(rates: &Rates, here: &Point, v: &[f64]) -> f64 {
+    let longest = (SHARP * RESOLVED / rates.swinging).sqrt();
+    here.terms.joints.iter().fold(longest, |h, term| {
         let Drive::Pd {
             offset,
             kp,
@@ -129,22 +79,16 @@ fn swing(here: &Point, v: &[f64]) -> f64 {
             cap,
         } = term.drive
         else {
-            return least;
+            return h;
         };
-        let inverse = here.kin.inverse_diagonal[term.dof];
-        let damping = kd + term.damping;
-        // ζ² = (kd/2)²/(kp M)
-        let swings = damping * damping * inverse < 4.0 * SWINGING * SWINGING * kp;
+        if !rates::swings(term, here, v) {
+            return h;
+        }
         let v = v[term.dof];
         let force = offset - kd * v;
-        let limited = force.abs() > cap;
-        if kp <= 0.0 || !(swings || limited) {
-            return least;
-        }
-        let h = least.min((SHARP * RESOLVED / (kp * inverse)).sqrt());
         // How fast the law's force grows in its own direction: the joint moves, and this force
         // accelerates it.
-        let pull = force.abs().min(cap) * inverse;
+        let pull = force.abs().min(cap) * here.kin.inverse_diagonal[term.dof];
         let growth = -(kp * v * force.signum() + kd * pull);
         let crossing = (cap - force.abs()) / growth;
         if crossing > CREEP * h && crossing < h {
@@ -155,50 +99,14 @@ fn swing(here: &Point, v: &[f64]) -> f64 {
     })
 }
 
-/// Longest step that resolves every spring between two points, s.
-fn spring_swing(ctx: &Context, here: &Point) -> f64 {
-    let springs = here.terms.springs.iter();
-    springs.fold(f64::INFINITY, |least, spring| {
-        let [squared, _] = spring.rates(ctx.tree, &here.kin);
-        least.min((SHARP * RESOLVED / squared).sqrt())
-    })
-}
-
-/// Whether a step of `h` seconds resolves every spring between two points, and its damper.
-fn resolves_springs(ctx: &Context, here: &Point, h: f64) -> bool {
-    here.terms.springs.iter().all(|spring| {
-        let [squared, rate] = spring.rates(ctx.tree, &here.kin);
-        h * h * squared < RESOLVED && h * rate < 1.0
-    })
-}
-
-/// Whether nothing comes near within `h` seconds, and pd laws and a motor's torque–speed line are
-/// resolved.
-fn is_free(ctx: &Context, here: &Point, v: &[f64], h: f64) -> bool {
-    let kin = &here.kin;
-    here.terms.joints.iter().all(|term| {
-        let kp = match term.drive {
-            Drive::Pd { kp, .. } => kp,
-            _ => 0.0,
-        };
-        !term.near_limit(v[term.dof], h)
-            && h * h * kp * kin.inverse_diagonal[term.dof] < RESOLVED
-            && h * term.line.slope() * kin.inverse_diagonal[term.dof] < 1.0
-    }) && resolves_springs(ctx, here, h)
-        && is_clear(ctx.tree, kin, h)
-}
-
-/// Whether damping is slower than a step of `h` seconds.
-fn resolves_damping(here: &Point, h: f64) -> bool {
-    let inverse = &here.kin.inverse_diagonal;
-    let mut terms = here.terms.joints.iter();
-    terms.all(|term| {
-        let kd = match term.drive {
-            Drive::Pd { kd, .. } => kd,
-            _ => 0.0,
-        };
-        h * (term.damping + kd) * inverse[term.dof] < 1.0
-    })
+/// Whether nothing comes near within `h` seconds, and pd laws, springs with their dampers and a
+/// motor's torque–speed line are resolved.
+fn is_free(ctx: &Context, rates: &Rates, here: &Point, v: &[f64], h: f64) -> bool {
+    let mut joints = here.terms.joints.iter();
+    h * h * rates.stiff < RESOLVED
+        && h * rates.braked < 1.0
+        && joints.all(|term| !term.near_limit(v[term.dof], h))
+        && is_clear(ctx.tree, &here.kin, h)
 }
 
 impl Explicit {
@@ -208,7 +116,66 @@ impl Explicit {
             integrator: RungeKutta::new(tree, model.nq),
             end: Kinematics::new(tree),
             contacts: ContactSet::of(model),
+            search: Search::new(tree),
         }
+    }
+
+    /// Method and length of the next explicit step: beyond the communication point as long as
+    /// inputs stay as they are, else up to it; none where something stiff acts, or swings too fast.
+    ///
+    /// - `proposed`: length that the error control proposes, s
+    /// - `remaining`: time to the communication point, s
+    pub fn plan(
+        &mut self,
+        ctx: &Context,
+        here: &mut Point,
+        state: &State,
+        [proposed, remaining]: [f64; 2],
+    ) -> Option<Plan> {
+        if !ctx.rules.explicit || !nothing_stiff(ctx, here) {
+            return None;
+        }
+        here.complete(ctx, &state.physical);
+        let v = &state.physical.v;
+        let rates = self.search.rates(ctx.tree, here, v);
+        let swing = swing(&rates, here, v);
+        let long = proposed.min(MAX_STEP).min(swing);
+        // What swings faster than the shortest step that is worth while is taken implicitly.
+        if swing < state.stepping.sizes.floor[ctx.tree.island.lead] {
+            return None;
+        }
+        if ctx.rules.look_ahead && !state.stepping.ahead.has_changed(ctx.tree) {
+            if is_free(ctx, &rates, here, v, long) {
+                return Some(if long * rates.damped < FADED {
+                    Plan {
+                        pair: &DORMAND_PRINCE,
+                        h: long,
+                    }
+                } else {
+                    Plan {
+                        pair: &KENNEDY_CARPENTER,
+                        h: long,
+                    }
+                });
+            }
+            // Implicit steps reach farther than those that end at the communication point.
+            if may_look_ahead(ctx, here, state, long) {
+                return None;
+            }
+        }
+        let h = landing(long, remaining);
+        if !is_free(ctx, &rates, here, v, h) {
+            return None;
+        }
+        let short = h < shortened(ctx, proposed);
+        let pair = match (h * rates.damped < FADED, short) {
+            (true, true) => &BOGACKI_SHAMPINE,
+            (true, false) => &DORMAND_PRINCE,
+            (false, false) => &KENNEDY_CARPENTER,
+            // Cut as short as this, one implicit solve may do.
+            (false, true) => return None,
+        };
+        Some(Plan { pair, h })
     }
 
     /// Tries a step from where `here` stands; returns its error relative to what it may be.
@@ -287,7 +254,8 @@ impl Explicit {
             return false;
         }
         here.complete(ctx, from);
-        if !(is_free(ctx, here, &from.v, h) && resolves_damping(here, h)) {
+        let rates = self.search.rates(ctx.tree, here, &from.v);
+        if !(is_free(ctx, &rates, here, &from.v, h) && h * rates.damped < FADED) {
             return false;
         }
         self.integrator.restart();

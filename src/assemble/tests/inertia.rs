@@ -230,8 +230,8 @@ fn very_small_robots_have_inertia_too() {
     let description =
         robot(mass("base", 1.0)).with("base", "j", Continuous, at(0.0, 0.0, 0.0), tiny);
     assert_eq!(model(&description, "").nv(), 7);
-    // A grain of salt of 0.3 mm, and a steel cube of the least mass that counts, which is 5 µm wide:
-    // m a²/6.
+    // A grain of salt of 0.3 mm, and a steel cube of the least mass that counts, which is 5 µm
+    // wide: m a²/6.
     for (side, mass) in [(3e-4, 6e-8), (5e-6, 1e-12)] {
         let mut grain = frame("grain");
         let shape = Shape::Box {

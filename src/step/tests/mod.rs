@@ -16,6 +16,7 @@ use crate::testing::{Builder, Random, at, inertia, random_tree, run, shape_all_l
 
 mod agreement;
 mod cans;
+mod chains;
 mod collisions;
 mod deep;
 mod driven;
