@@ -22,6 +22,7 @@ mod driven;
 mod elimination;
 mod flush;
 mod island;
+mod kept;
 mod pairs;
 mod parts;
 mod scale;
@@ -30,6 +31,8 @@ mod seams;
 
 pub use base::BaseFrame;
 pub use closure::{Closure, ClosureKind, End, TreeSpring};
+pub use kept::Kept;
+pub(crate) use kept::Space;
 pub use parts::{
     Actuators, Contacts, Dofs, DryFriction, Extent, Island, Span, Surface, Tree, TreeBody,
     TreeCollider, Turning, World, harmonic_mean,
@@ -90,6 +93,8 @@ impl Tree {
             closures: Vec::new(),
             closure_order: Vec::new(),
             springs: Vec::new(),
+            kept: Vec::with_capacity(model.bodies.len()),
+            carrier: vec![None; model.bodies.len()],
             world: World {
                 gravity: Vec3::zeros(),
                 drag: model.world.drag,
@@ -409,6 +414,7 @@ impl Tree {
             let both = [&collider.own, &contact.ground];
             collider.ground.combine(both, contact.combination);
         }
+        self.find_kept(model);
     }
 
     /// Whether a body turns about its joint's axis and looks the same to the rest of the robot

@@ -15,8 +15,8 @@ pub struct Rules {
     /// A robot that stands still while its forces balance stays where it is, without steps. Without
     /// it fails `what_rests_is_carried_without_steps_and_wakes`.
     pub rest: bool,
-    /// A robot in flight keeps its momentum: the base takes up what steps have lost or made.
-    /// Without it fails `a_robot_in_flight_follows_a_parabola_and_keeps_its_angular_momentum`.
+    /// What moves freely keeps its momentum: free joints take up what steps have lost or made.
+    /// Without it fails `what_moves_freely_keeps_its_momentum_wherever_its_joints_hang`.
     pub momentum: bool,
     /// A body on which nothing acts goes on by Euler's equations alone. Without it fails
     /// `what_whirls_beside_others_keeps_its_energy`.

@@ -32,14 +32,14 @@ crate::spoil::spoil!(Attempt: end impulse pair_impulse trend company; named);
 
 impl Attempt {
     /// Room for a robot.
-    pub fn new(model: &Model) -> Self {
+    pub fn new(model: &Model, tree: &Tree) -> Self {
         Self {
             end: Physical::new(model),
             impulse: vec![[0.0; 3]; model.links.len()],
             pair_impulse: vec![[0.0; 3]; model.outputs.pairs.len()],
             named: NamedPairs::new(model),
             trend: Trend::new(model.nv()),
-            company: Company::new(model),
+            company: Company::new(model, tree),
         }
     }
 
@@ -99,6 +99,7 @@ impl Attempt {
     /// Adds `share` times the contact impulses that a solve over `h` seconds has found to their
     /// links and named pairs.
     pub(super) fn add_impulses(&mut self, terms: &Terms, solved: &Newton, [h, share]: [f64; 2]) {
+        self.company.join_limits(terms, solved);
         let (points, of) = (&terms.contacts.points, &solved.responses.points);
         for (contact, response) in terms.contacts.iter().zip(&solved.responses.contacts) {
             let impulse = contact.impulse(points, (response, of), h) * share;

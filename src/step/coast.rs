@@ -30,9 +30,8 @@ use crate::spatial::{
 };
 use crate::state::Physical;
 use crate::step::convex::Newton;
-use crate::step::flight::inverse;
 use crate::step::point::Context;
-use crate::tuning::{COASTING_ACCURACY, COASTING_ITERATIONS, COASTING_MOST, COASTING_TURN};
+use crate::tuning::{COASTING_ACCURACY, COASTING_ITERATIONS, COASTING_MOST, COASTING_TURN, THIN};
 
 /// `1/(2 − ∛2)`.
 const OUTER: f64 = 1.351_207_191_959_657_8;
@@ -54,7 +53,8 @@ pub(super) struct Step<'a> {
 fn is_rigid(ctx: &Context, index: usize) -> bool {
     let tree = ctx.tree;
     let extent = &tree.trees[index];
-    let rigid = extent.is_loose() && extent.bodies.len() == 1;
+    let base = extent.bodies.start;
+    let rigid = extent.free && extent.bodies.len() == 1 && tree.carrier[base].is_some();
     if !ctx.rules.coast || !rigid || tree.world.drag != 0.0 {
         return false;
     }
@@ -154,7 +154,10 @@ fn coast(
 /// - `I`: about its centre of mass, kg·m²; `w`: at the start, rad/s; both in the axes of the start
 /// - `most`: angle between two places at which Euler's equations are solved, rad
 fn tumble(I: &Mat3, mut w: Vec3, h: f64, most: f64) -> Option<([f64; 4], Vec3)> {
-    inverse(I)?;
+    let inverse = I.try_inverse()?;
+    if I.trace() * inverse.trace() * THIN >= 1.0 {
+        return None;
+    }
     let parts = libm::ceil(w.norm() * h / most).max(1.0);
     if parts > COASTING_MOST || parts.is_nan() {
         return None;

@@ -32,6 +32,7 @@ impl Stepper {
     /// See [`crate::step::islands::Islands::part`]. Where there is nothing to part, no island is
     /// entered or left.
     pub fn part(&mut self, ctx: &Context, state: &State, lengths: [f64; 2]) -> bool {
+        self.attempt.company.meet(ctx.tree);
         let many = self.islands.part(ctx, state, &mut self.there, lengths);
         if !many {
             // Of what no term writes, a try holds what the state does, as in `enter`.

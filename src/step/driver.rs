@@ -13,7 +13,7 @@ use crate::step::caps;
 use crate::step::closing::Closing;
 use crate::step::explicit::Explicit;
 use crate::step::fixed::{self, Fixed, Methods, Outcome, Part};
-use crate::step::flight::Flight;
+use crate::step::flight::Flights;
 use crate::step::implicit::Implicit;
 use crate::step::islands::{Islands, is_moved};
 use crate::step::point::{Context, Point};
@@ -51,8 +51,8 @@ pub struct Stepper {
     pub(super) fixed: Fixed,
     pub(super) attempt: Attempt,
     pub(super) closing: Closing,
-    /// Trees that fly from the last communication point on.
-    flights: Vec<Flight>,
+    /// What flies from the last communication point on.
+    flights: Flights,
     /// Which trees go together.
     pub islands: Islands,
     /// Memory and positions of a robot that is set down.
@@ -81,9 +81,9 @@ impl Stepper {
             stages: Stages::new(model, tree),
             explicit: Explicit::new(model, tree),
             fixed: Fixed::new(model),
-            attempt: Attempt::new(model),
+            attempt: Attempt::new(model, tree),
             closing: Closing::new(model, tree),
-            flights: Vec::with_capacity(tree.trees.len()),
+            flights: Flights::new(tree),
             islands: Islands::new(tree, model.contact_room()[0]),
             there_memory: Memory::new(model),
             settled: vec![0.0; model.nq],
@@ -103,10 +103,16 @@ impl Stepper {
         }
         let loads = &mut state.stepping.loads;
         loads.retain(|load| !is_moved(ctx, load.slot));
+        let scratch = (&mut self.there.kin, &mut self.attempt.company);
+        let flies = self.flights.begin(ctx, state, scratch);
         if ctx.fixed_step > 0.0 {
             self.advance_fixed(ctx, state, end)?;
         } else {
-            self.advance_controlled(ctx, state, end)?;
+            self.advance_controlled(ctx, state, end, flies)?;
+        }
+        let (h, scratch) = (end - state.time, (&mut self.there.kin, &mut self.attempt));
+        if self.flights.keep(ctx, state, h, scratch) {
+            self.attempt.accept(state);
         }
         if !state.physical.is_finite() {
             return Err(self.failure());
@@ -123,22 +129,15 @@ impl Stepper {
         ctx: &Context,
         state: &mut State,
         end: f64,
+        flies: bool,
     ) -> Result<(), Stop> {
-        let flights = &mut self.flights;
-        let scratch = (&mut self.there.kin, &mut self.attempt.company);
-        let flies = Flight::begin(ctx, state, scratch, flights);
         let (sizes, lead) = (&state.stepping.sizes, ctx.tree.island.lead);
         let mut way = Way::new(state.time, end, sizes.proposed[lead]);
         way.done = self.follow(ctx, state, end);
         if flies && way.done == 0.0 {
             way.standing = Standing::Posed;
         }
-        self.walk(ctx, state, way)?;
-        let (h, scratch) = (end - state.time, (&mut self.there.kin, &mut self.attempt));
-        if Flight::keep(&self.flights, ctx, state, h, scratch) {
-            self.attempt.accept(state);
-        }
-        Ok(())
+        self.walk(ctx, state, way)
     }
 
     /// Goes along the smooth step under way, at most to `end`; returns how far.

@@ -3,6 +3,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::closure::{Closure, TreeSpring};
+use super::kept::Kept;
 use super::scenery::Scenery;
 use crate::geometry::Faces;
 use crate::geometry::pair::{MOST_PARTS, Solid};
@@ -43,6 +44,10 @@ pub struct Tree {
     pub closure_order: Vec<usize>,
     /// Springs between two points; filled by [`Self::new`].
     pub springs: Vec<TreeSpring>,
+    /// What keeps its momentum, what hangs on others first; filled by [`Self::tune`].
+    pub kept: Vec<Kept>,
+    /// The innermost of these that moves each body; filled by [`Self::tune`].
+    pub carrier: Vec<Option<usize>>,
     /// What the world does to all bodies.
     pub world: World,
     /// What touches, and how stiffly.
@@ -116,12 +121,6 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// Whether it floats, and nothing but its weight, contacts and what pushes from outside moves
-    /// it.
-    pub fn is_loose(&self) -> bool {
-        self.free && !self.tied && self.driven.is_none()
-    }
-
     /// Whether any of its bodies moves; else it is scenery.
     pub fn moves(&self) -> bool {
         !self.dofs.is_empty()

@@ -32,6 +32,7 @@ mod impacts;
 mod inputs;
 mod islands;
 mod joints;
+mod kept;
 mod landings;
 mod listed;
 mod loops;
