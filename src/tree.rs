@@ -22,6 +22,7 @@ mod driven;
 mod elimination;
 mod flush;
 mod island;
+mod keeping;
 mod kept;
 mod pairs;
 mod parts;

@@ -36,9 +36,7 @@
 mod share;
 
 use crate::kinematics::Kinematics;
-use crate::spatial::{
-    SpatialInertia, Vec3, add_scaled6, add6, angular, dot6, join, linear, velocity_at,
-};
+use crate::spatial::{Vec3, add_scaled6, add6, angular, dot6, join, linear, velocity_at};
 use crate::state::{Physical, State};
 use crate::step::attempt::Attempt;
 use crate::step::company::Company;
@@ -46,53 +44,7 @@ use crate::step::guards;
 use crate::step::point::Context;
 use crate::tree::{Kept, Space, Tree};
 use crate::tuning::GAIN;
-use share::Share;
-
-/// What a part keeps; world axes.
-#[derive(Clone, Copy, Debug)]
-struct Flight {
-    /// Index in [`Tree::kept`].
-    kept: usize,
-    /// The origin of its tree, m.
-    origin: Vec3,
-    /// The centre of mass, from the tree's origin, m.
-    center: Vec3,
-    /// Of all its bodies, about the tree's origin.
-    inertia: SpatialInertia,
-    /// Linear momentum, N·s.
-    linear: Vec3,
-    /// Angular momentum about the centre of mass, N·m·s.
-    angular: Vec3,
-}
-
-impl Flight {
-    /// What stands in poses, inertias and velocities.
-    fn of(tree: &Tree, kin: &Kinematics, kept: usize) -> Self {
-        let part = &tree.kept[kept];
-        let bodies = part.body..tree.trees[part.tree].bodies.end;
-        let mut whole = SpatialInertia::default();
-        let mut momentum = [0.0; 6];
-        for b in bodies.filter(|b| tree.is_carried(*b, kept)) {
-            whole.add(&kin.I[b]);
-            add6(&mut momentum, &kin.I[b].mul(&kin.V[b]));
-        }
-        let (center, linear) = (whole.center(), linear(&momentum));
-        Self {
-            kept,
-            origin: kin.origins[part.tree],
-            center,
-            inertia: whole,
-            linear,
-            angular: angular(&momentum) - center.cross(&linear),
-        }
-    }
-
-    /// The centre of mass from that of another one, m.
-    fn lever(&self, from: &Self) -> Vec3 {
-        // Differences first: far from the world's origin its digits are few.
-        (self.origin - from.origin) + self.center - from.center
-    }
-}
+use share::{Flight, Share};
 
 /// What flies from a communication point on, and scratch.
 #[derive(Clone, Debug)]
@@ -129,7 +81,7 @@ impl Flights {
         let undisturbed = tree.world.drag == 0.0 && ctx.inputs.wrenches.is_empty();
         let q = &state.physical.q;
         let may_fly = |part: &Kept| {
-            ctx.rules.momentum && undisturbed && tree.takes(part.tree) && !part.is_limited(tree, q)
+            ctx.rules.momentum && undisturbed && tree.takes(part.tree) && !tree.is_limited(part, q)
         };
         company.part(|index| tree.kept.get(index).is_some_and(may_fly));
         for touch in &state.physical.memory.touches {
@@ -382,7 +334,5 @@ fn pose(kin: &mut Kinematics, tree: &Tree, physical: &Physical) {
     kin.update_velocities(tree, &physical.v);
 }
 
-#[cfg(test)]
-crate::spoil::spoil!(Flight: kept origin center inertia linear angular;);
 #[cfg(test)]
 crate::spoil::spoil!(Flights: list shares place;);

@@ -2,12 +2,59 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::Flight;
-use crate::spatial::{SpatialInertia, Vec3, Vec6, add_scaled6, add6, dot6, join};
+use crate::kinematics::Kinematics;
+use crate::spatial::{SpatialInertia, Vec3, Vec6, add_scaled6, add6, angular, dot6, join, linear};
+use crate::tree::Tree;
 use crate::tuning::THIN;
 
 /// A matrix of twists and wrenches.
 type Mat6 = [Vec6; 6];
+
+/// What a part keeps; world axes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Flight {
+    /// Index in [`Tree::kept`].
+    pub kept: usize,
+    /// The origin of its tree, m.
+    pub origin: Vec3,
+    /// The centre of mass, from the tree's origin, m.
+    pub center: Vec3,
+    /// Of all its bodies, about the tree's origin.
+    pub inertia: SpatialInertia,
+    /// Linear momentum, N·s.
+    pub linear: Vec3,
+    /// Angular momentum about the centre of mass, N·m·s.
+    pub angular: Vec3,
+}
+
+impl Flight {
+    /// What stands in poses, inertias and velocities.
+    pub fn of(tree: &Tree, kin: &Kinematics, kept: usize) -> Self {
+        let part = &tree.kept[kept];
+        let bodies = part.body..tree.trees[part.tree].bodies.end;
+        let mut whole = SpatialInertia::default();
+        let mut momentum = [0.0; 6];
+        for b in bodies.filter(|b| tree.is_carried(*b, kept)) {
+            whole.add(&kin.I[b]);
+            add6(&mut momentum, &kin.I[b].mul(&kin.V[b]));
+        }
+        let (center, linear) = (whole.center(), linear(&momentum));
+        Self {
+            kept,
+            origin: kin.origins[part.tree],
+            center,
+            inertia: whole,
+            linear,
+            angular: angular(&momentum) - center.cross(&linear),
+        }
+    }
+
+    /// The centre of mass from that of another one, m.
+    pub fn lever(&self, from: &Self) -> Vec3 {
+        // Differences first: far from the world's origin its digits are few.
+        (self.origin - from.origin) + self.center - from.center
+    }
+}
 
 /// How a part takes up what it lacks. Twists, inertias and momenta of all parts that push or carry
 /// each other are about one place.
@@ -171,3 +218,5 @@ impl Share {
 crate::spoil::spoil!(
     Share: now chief outer lever moved S I p U L slides count fits turns twist change;
 );
+#[cfg(test)]
+crate::spoil::spoil!(Flight: kept origin center inertia linear angular;);
