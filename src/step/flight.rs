@@ -18,8 +18,9 @@
 //!    `δ` with `Sᵀ I S δ = Sᵀ p`, and moves on by the twist `S δ`.
 //! 2. Where a part hangs on a free part, both lack momenta, of which the outer one's is that of
 //!    all. With `U = I S` and `D = Sᵀ U`, the inner one gives back to the outer one's `I` and `p`
-//!    what it takes up itself, `U D⁻¹ Uᵀ` and `U D⁻¹ Sᵀ p`; the outer one then moves it by the twist
-//!    `ξ`, and it takes up `D⁻¹ (Sᵀ p − Uᵀ ξ)`: the articulated-body algorithm of what is free.
+//!    what it takes up itself, `U D⁻¹ Uᵀ` and `U D⁻¹ Sᵀ p`; the outer one then moves it by the
+//!    twist `ξ`, and it takes up `D⁻¹ (Sᵀ p − Uᵀ ξ)`: the articulated-body algorithm of what is
+//!    free.
 //! 3. Parts that have pushed each other move by one twist, in which all of them can move: the
 //!    columns are those of the one that has the fewest, `I` and `p` are sums.
 //!

@@ -147,10 +147,15 @@ impl Search {
         // Neighbours move against each other, as they do in the fastest motion of a chain, and no
         // two by the same, so that no motion is left out by its symmetry.
         self.x.fill(0.0);
+        let (mut share, mut sign) = (0.5, 1.0);
         for dof in tree.worked_dofs() {
-            let share = 0.5 + (618 * dof % 1000) as f64 / 1000.0;
-            let sign = if dof % 2 == 0 { 1.0 } else { -1.0 };
             self.x[dof] = sign * share * here.kin.inverse_diagonal[dof].sqrt();
+            sign = -sign;
+            // The golden ratio, whose multiples lie evenly: between 0.5 and 1.5 here.
+            share += 0.618;
+            if share > 1.5 {
+                share -= 1.0;
+            }
         }
         let mut rate = 0.0;
         self.apply(scene, matrix);

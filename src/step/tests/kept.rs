@@ -1,8 +1,8 @@
 //! What moves freely below joints keeps its momentum, as a floating base does.
 //!
 //! Expected values: Newton's laws. What nothing pushes along a direction has a centre of mass that
-//! moves along it as gravity says, and keeps its angular momentum about it; what turns about an axis
-//! that stands still keeps its angular momentum about the axis.
+//! moves along it as gravity says, and keeps its angular momentum about it; what turns about an
+//! axis that stands still keeps its angular momentum about the axis.
 
 use super::worlds::books;
 use super::*;
