@@ -29,7 +29,7 @@
 
 use crate::spatial::{Vec6, cross_motion, dot6};
 
-/// A chain of free joints along which momentum is kept; filled by [`Tree::tune`].
+/// A chain of free joints along which momentum is kept; filled by `Tree::tune`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Kept {
     /// Its tree.
@@ -43,7 +43,7 @@ pub struct Kept {
     /// How many columns there are, and slides among them.
     pub(super) count: usize,
     pub(super) slides: usize,
-    /// The nearest of [`Tree::kept`] that moves with it all that this one does, and more.
+    /// The nearest of `Tree::kept` that moves with it all that this one does, and more.
     pub outer: Option<usize>,
     /// Whether there is another one of which this is the nearest.
     pub inner: bool,
