@@ -60,12 +60,6 @@ pub(crate) enum FmiError {
     #[error("continuous state {index} must be a finite number, not {}", Digits(*value))]
     StateValue { index: usize, value: f64 },
     #[error(
-        "the quaternion '{name}', continuous states {first} to {}, is of zeros: its four numbers are \
-         x, y, z, w, and 0, 0, 0, 1 is no rotation",
-        first + 3
-    )]
-    NoRotation { name: String, first: usize },
-    #[error(
         "partial derivatives by '{name}' are not offered here: they are by continuous states and inputs, \
          and in initialization mode by inputs and parameters that may change"
     )]

@@ -5,7 +5,6 @@ use crate::error::FmiError;
 use crate::phase::Phase;
 use crate::pointers::{In, Out};
 use urdf2fmu_core::range::Range;
-use urdf2fmu_core::variables::Slot;
 
 impl Instance {
     /// Number of continuous states.
@@ -69,26 +68,8 @@ impl Instance {
             let value = self.scratch[index];
             return Err(FmiError::StateValue { index, value });
         }
-        let zero = |first: &usize| self.scratch[*first..*first + 4] == [0.0; 4];
-        let quaternions = self.simulation.states().quaternions();
-        let zero = quaternions.map(|own| own.first).find(zero);
-        if let Some(first) = zero {
-            return Err(self.no_rotation(first));
-        }
         self.simulation.set_states(&self.scratch);
         Ok(())
-    }
-
-    /// A quaternion without a direction, whose derivative would be no number.
-    #[cold]
-    fn no_rotation(&self, first: usize) -> FmiError {
-        let state = self.simulation.states().iter().nth(first);
-        let output = state.and_then(|state| state.output).map(Slot::Output);
-        let row = self.variables.iter().find(|row| Some(row.slot) == output);
-        let name = row.map_or("", |row| &row.name);
-        // Of its first element.
-        let name = name.strip_suffix(".x").unwrap_or(name).to_owned();
-        FmiError::NoRotation { name, first }
     }
 
     /// Reads all continuous states.

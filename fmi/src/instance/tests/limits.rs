@@ -46,49 +46,6 @@ fn an_output_that_is_not_finite_is_never_ok() {
     assert_eq!(result.expect_err("above").status(), Status::Discard);
 }
 
-/// The states of a floating base begin with its place and its orientation, x y z w.
-#[test]
-fn a_quaternion_of_zeros_is_refused_by_its_name() {
-    let mut model = rover();
-    model.outputs.interface = urdf2fmu_core::model::Interface::Both;
-    let mut rows = rows();
-    let slot = Slot::Output(OutputSlot::BaseOrientation(RootId::ROBOT, 0));
-    rows.push(Variable {
-        name: "base.orientation.x".into(),
-        value_reference: u32::try_from(rows.len()).expect("few"),
-        slot,
-        ..rows[0].clone()
-    });
-    let layout = Layout::new(Version::V2, &model, &rows).expect("no clash");
-    let prepared = PreparedModel::new(String::new(), model);
-    let mut instance = initialised(Instance::new(
-        Logger::new(Sink::None, std::ptr::null_mut(), false),
-        (Version::V2, Interface::ModelExchange),
-        GuidHash::new("{test}"),
-        (Arc::new(prepared.model), prepared.hash),
-        rows,
-        layout,
-    ));
-    let mut states = vec![0.0; instance.state_count()];
-    let mut set = |instance: &mut Instance, w: f64| {
-        states[6] = w;
-        #[allow(unsafe_code, reason = "a slice is a valid array")]
-        // SAFETY: a slice is a valid array.
-        let given = unsafe { In::new("x", states.as_ptr(), states.len()) };
-        instance.set_continuous_states(&given.expect("an array"))
-    };
-    assert_eq!(set(&mut instance, 1.0), Ok(()));
-    let refused = set(&mut instance, 0.0).expect_err("no rotation");
-    assert_eq!(refused.status(), Status::Error);
-    let text = refused.to_string();
-    assert!(
-        text.starts_with(
-            "the quaternion 'base.orientation', continuous states 3 to 6, is of zeros"
-        ),
-        "{text}"
-    );
-}
-
 #[test]
 fn numbers_out_of_range_are_refused_where_they_are_set() {
     let mut instance = instance();
