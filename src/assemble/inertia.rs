@@ -30,10 +30,8 @@ const FILLING: Shape = Shape::Sphere { radius: 0.05 };
 /// freely. Far above the round-off of a mass matrix, far below any real mechanism.
 const SMALLEST_SHARE: f64 = 1e-11;
 
-/// Smallest inertia of a degree of freedom, kg·m² or kg: an eighth of that of a steel cube of
-/// 1e-12 kg, the least mass that counts, about its middle. At 1e-16 fails
-/// `very_small_robots_have_inertia_too`.
-const SMALLEST_INERTIA: f64 = 5e-25;
+/// Smallest inertia of a degree of freedom, kg·m² or kg: a grain of sand at its own radius.
+const SMALLEST_INERTIA: f64 = 1e-16;
 
 /// Gives links whose `<inertia>` is singular that of their shapes where the robot could not move
 /// otherwise, then those that are left what the settings say, and reports degrees of freedom that
