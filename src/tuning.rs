@@ -239,9 +239,9 @@ pub const MAX_CARRIES: usize = 3;
 /// both err by the same (`shortened` in `step/explicit.rs`). At 1000 fails
 /// `an_effort_that_varies_in_time_is_integrated_within_one_step`.
 pub const SHORT: f64 = 0.85;
-/// Time constants of the fastest damping that an explicit step may take. Bogacki & Shampine's is
-/// stable up to 2.51 of them, and the search finds a few hundredths too little. At 20 fails
-/// `a_damped_chain_stays_where_it_hangs_in_fixed_steps`.
+/// Time constants of the fastest damping that an explicit step may take. Bogacki & Shampine's step
+/// is stable up to 2.51 of them; the rest is for the search, which comes to the fastest damping
+/// from below. At 20 fails `a_damped_chain_stays_where_it_hangs_in_fixed_steps`.
 pub const FADED: f64 = 2.0;
 /// Rounds of the search for the fastest motion of laws, springs and dampers. At 0 fails
 /// `a_chain_that_pd_laws_hold_is_still_in_steps_of_any_length`.
