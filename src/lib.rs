@@ -88,6 +88,7 @@ pub mod parameters;
 pub mod pattern;
 pub mod prepared;
 pub mod range;
+pub mod reading;
 mod readout;
 mod sensor;
 #[cfg(feature = "urdf")]

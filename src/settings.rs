@@ -45,6 +45,7 @@ pub use world::is_taken;
 use crate::diagnostic::words::instead_of;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::encoding::{NoText, text};
+use crate::reading;
 use fill::fill;
 use reader::Reader;
 use section::Section;
@@ -99,7 +100,8 @@ impl Settings {
             let line = before.split(|byte| *byte == b'\n').count();
             std::io::Error::other(format!("line {line} is no text in UTF-8"))
         };
-        match std::fs::read(path).and_then(|bytes| text(bytes).map_err(no_text)) {
+        let read = reading::read(path, reading::LARGEST_TEXT);
+        match read.and_then(|bytes| text(bytes).map_err(no_text)) {
             Ok(text) => {
                 let mut reader = Reader::new(&name, &text);
                 reader.folder = folder.unwrap_or(reader.folder);

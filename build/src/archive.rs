@@ -12,6 +12,7 @@ mod packed;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Cursor, Read, Write};
 use std::path::{Path, PathBuf};
+use urdf2fmu_core::reading;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
@@ -238,7 +239,9 @@ type Zip = zip::ZipArchive<std::fs::File>;
 /// # Errors
 /// [`ArchiveError::Read`], [`ArchiveError::Unpack`]; [`ArchiveError::Other`] for another zip.
 fn open(path: &Path) -> Result<Zip, ArchiveError> {
-    let file = std::fs::File::open(path).map_err(|source| ArchiveError::Read {
+    // Parts of it are read from their places, some of them again and again.
+    let file = reading::lasting(path).and_then(|()| std::fs::File::open(path));
+    let file = file.map_err(|source| ArchiveError::Read {
         path: path.to_owned(),
         source,
     })?;

@@ -63,6 +63,7 @@ fn export(args: &Export) -> Result<(), CliError> {
     let wanted = args.reference_run || about.reference_run;
     let folder = wanted.then(temporary).transpose()?;
     let extras = Extras {
+        kept: true,
         documented: !(args.no_documentation || about.undocumented),
         reference_run: folder.as_ref().map(TempDir::path),
     };

@@ -26,6 +26,7 @@ use urdf2fmu_core::assemble::{self, Guest};
 use urdf2fmu_core::diagnostic::Diagnostic;
 use urdf2fmu_core::model::Model;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel, PreparedModelError};
+use urdf2fmu_core::reading;
 use urdf2fmu_core::settings::{ActuatorSettings, FmiVersion, Mounting, Settings};
 use urdf2fmu_core::simulation::{Simulation, SimulationError};
 use urdf2fmu_core::urdf::Description;
@@ -69,6 +70,8 @@ pub struct Fmu {
 /// What an FMU has beyond what it needs to run; one that is used at once does without.
 #[derive(Debug, Default)]
 pub struct Extras<'a> {
+    /// All of the robot's files, also those that cannot be read a second time.
+    pub kept: bool,
     /// Pictures and documentation.
     pub documented: bool,
     /// A reference run, which is made in this folder.
@@ -107,7 +110,7 @@ pub enum StageError {
     #[error(transparent)]
     Archive(#[from] ArchiveError),
     /// A file that was there a moment ago.
-    #[error("cannot read '{}': {source}", path.display())]
+    #[error("cannot read '{}' again, to put it into the FMU: {source}", path.display())]
     Source {
         /// The file.
         path: PathBuf,
@@ -299,7 +302,7 @@ pub fn fmu(
         archive.add_executable(name, library.file.clone(), library.deflated)?;
     }
     archive.add(format!("resources/{FILE_NAME}"), prepared)?;
-    let names = add_sources(&mut archive, robot)?;
+    let names = add_sources(&mut archive, robot, extras.kept)?;
     let remarks = remarks(robot, &names);
     let scene = make_scene(robot, &remarks, &guid)?.to_bytes()?;
     let scene_name = format!("resources/{}", scene::FILE_NAME);
@@ -419,7 +422,13 @@ fn sentence(robot: &Robot) -> String {
 }
 
 /// Adds the robot's own files; gives their names below `resources/source/`.
-fn add_sources(archive: &mut Archive, robot: &Robot) -> Result<Vec<String>, StageError> {
+///
+/// - `kept`: whether a source that cannot be read again, a pipe, is an error and not left empty
+fn add_sources(
+    archive: &mut Archive,
+    robot: &Robot,
+    kept: bool,
+) -> Result<Vec<String>, StageError> {
     let paths = &robot.sources;
     let mut contents = Vec::with_capacity(paths.len());
     let text_of = |path: &PathBuf| robot.expanded.iter().find(|(file, _)| file == path);
@@ -428,7 +437,12 @@ fn add_sources(archive: &mut Archive, robot: &Robot) -> Result<Vec<String>, Stag
             contents.push(expanded.clone().into_bytes());
             continue;
         }
-        contents.push(std::fs::read(path).map_err(|source| StageError::Source {
+        // What was read from a pipe is gone.
+        let read = match reading::lasting(path) {
+            Err(_) if !kept => Ok(Vec::new()),
+            lasting => lasting.and_then(|()| std::fs::read(path)),
+        };
+        contents.push(read.map_err(|source| StageError::Source {
             path: path.clone(),
             source,
         })?);

@@ -3,38 +3,13 @@
 use crate::diagnostic::words::instead_of;
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::encoding::{NoText, xml_replaced, xml_text};
-use std::fs::{File, FileType};
-use std::io::Read;
+use crate::reading::{self, LARGEST_TEXT};
+use std::io::ErrorKind;
 use std::path::Path;
-
-/// URDF files larger than this, in bytes, are refused.
-const LARGEST_FILE: u64 = 64 << 20;
 
 /// The text of a file that another one names; what fits no letter in it is replaced.
 pub(super) fn lossy_text(path: &Path) -> Option<String> {
-    let mut bytes = Vec::new();
-    let file = File::open(path).ok()?;
-    file.take(LARGEST_FILE).read_to_end(&mut bytes).ok()?;
-    Some(xml_replaced(bytes))
-}
-
-/// What something is that is no regular file.
-pub(super) fn kind(file: FileType) -> &'static str {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::FileTypeExt as _;
-        if file.is_fifo() {
-            return "a pipe";
-        }
-        if file.is_socket() {
-            return "a socket";
-        }
-    }
-    if file.is_dir() {
-        "a folder"
-    } else {
-        "a device"
-    }
+    reading::read(path, LARGEST_TEXT).ok().map(xml_replaced)
 }
 
 /// What a file is that begins like none of XML in UTF-8, and what to do.
@@ -81,26 +56,17 @@ pub(super) fn text(path: &Path) -> Result<String, Box<Diagnostic>> {
     let name = path.display();
     let io = |error: std::io::Error| {
         let message = format!("{name} cannot be read: {error}");
-        problem("U001", message, &instead_of(path, &error))
+        let help = match error.kind() {
+            ErrorKind::FileTooLarge => "no URDF is that large: is it the right file?".to_owned(),
+            _ => instead_of(path, &error),
+        };
+        problem("U001", message, &help)
     };
-    let file = File::open(path).map_err(io)?;
-    let metadata = file.metadata().map_err(io)?;
-    if metadata.is_dir() {
+    if reading::waiting(path) == Some("a folder") {
         let message = format!("{name} is a folder");
         return Err(problem("U001", message, "name the URDF file in it"));
     }
-    let mut bytes = Vec::new();
-    file.take(LARGEST_FILE + 1)
-        .read_to_end(&mut bytes)
-        .map_err(io)?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        let message = format!("{name} has more than {LARGEST_FILE} bytes");
-        return Err(problem(
-            "U001",
-            message,
-            "no URDF is that large: is it the right file?",
-        ));
-    }
+    let bytes = reading::read(path, LARGEST_TEXT).map_err(io)?;
     if let Some((what, help)) = other_kind(&bytes) {
         let mut finding = problem("U002", what.to_owned(), help);
         let shown = String::from_utf8_lossy(&bytes);

@@ -3,8 +3,8 @@
 //! Sources: ISO/IEC 15948 (PNG), section 11.2.2; ITU-T T.81 (JPEG), annex B.
 
 use super::description::{ImageFormat, Texture};
-use std::fs::File;
-use std::io::Read;
+use crate::reading;
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// Image files larger than this, in bytes, are not packed.
@@ -28,12 +28,10 @@ pub(super) enum ImageError {
 
 /// Reads an image file as far as it takes to know its format and size.
 pub(super) fn texture(path: &Path) -> Result<Texture, ImageError> {
-    let io = |error: std::io::Error| ImageError::Io(error.to_string());
-    let file = File::open(path).map_err(io)?;
-    let mut bytes = Vec::new();
-    file.take(LARGEST_FILE + 1)
-        .read_to_end(&mut bytes)
-        .map_err(io)?;
+    let bytes = reading::read(path, LARGEST_FILE).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => ImageError::TooLarge,
+        _ => ImageError::Io(error.to_string()),
+    })?;
     texture_of(path, bytes)
 }
 

@@ -9,11 +9,11 @@
 //! its name says that it is one part of a robot's (`urdf`, `robots` …).
 
 use crate::diagnostic::words::near_file;
+use crate::reading;
 use not_found::same_name;
 
 pub(super) use not_found::NotFound;
 
-use super::file;
 use super::nearby::Files;
 use super::options::ReadOptions;
 use super::packages::{Packages, Place};
@@ -131,11 +131,9 @@ impl<'o> Resolver<'o> {
             return Err(Missing::Outside(path));
         }
         let there = candidates.iter().find_map(|candidate| {
-            let kind = fs::metadata(&candidate.path).ok()?;
-            Some(Missing::NoFile(
-                tidy(&candidate.path),
-                file::kind(kind.file_type()),
-            ))
+            let there = fs::metadata(&candidate.path).ok()?;
+            let what = reading::special(there.file_type())?;
+            Some(Missing::NoFile(tidy(&candidate.path), what))
         });
         if let Some(there) = there {
             return Err(there);

@@ -22,6 +22,8 @@ mod output;
 mod packages;
 mod parts;
 mod people;
+#[cfg(unix)]
+mod pipes;
 mod ranges;
 mod semantics;
 mod unclosed;

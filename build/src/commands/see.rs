@@ -4,7 +4,7 @@ use super::shared::{CliError, as_fmu, refuse_ending, refuse_options, temporary};
 use crate::archive;
 use crate::cli::{Report, View};
 use crate::events::Event;
-use crate::importer::tabular::decoded;
+use crate::importer::tabular::{LARGEST, decoded};
 use crate::output::{OutputError, Target, beside, is_stdout, print, tell};
 use crate::report;
 use crate::results::Table;
@@ -12,6 +12,7 @@ use crate::run_summary;
 use crate::view;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use urdf2fmu_core::reading;
 use urdf2fmu_drawing::scene::{FILE_NAME, Scene, SceneError};
 
 /// A scene and its bytes.
@@ -63,7 +64,7 @@ pub(super) fn report(args: &Report) -> Result<(), CliError> {
 /// The table of a run.
 pub(super) fn run(path: &Path, scene: &Scene) -> Result<Table, CliError> {
     let path = path.to_owned();
-    let bytes = match std::fs::read(&path) {
+    let bytes = match reading::read(&path, LARGEST) {
         Ok(bytes) => bytes,
         Err(source) => return Err(CliError::Read { path, source }),
     };

@@ -4,7 +4,7 @@ use super::csv::Table;
 use super::description::Description;
 use super::error::{RunError, START_VALUE};
 use super::signals::{Signal, Signals};
-use super::tabular::{decoded, name_and_unit, wrong_unit};
+use super::tabular::{LARGEST, decoded, name_and_unit, wrong_unit};
 use super::variable::{Kind, Variable};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::clock;
@@ -12,6 +12,7 @@ use urdf2fmu_core::diagnostic::angles;
 use urdf2fmu_core::diagnostic::gravity::{self, Unusual};
 use urdf2fmu_core::digits::Digits;
 use urdf2fmu_core::pattern::Pattern;
+use urdf2fmu_core::reading;
 
 /// Longest table of results, in rows: a longer one is probably a typing error in an interval.
 const MOST_ROWS: f64 = 1e8;
@@ -128,7 +129,7 @@ impl Times {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, RunError> {
-    std::fs::read(path).map_err(|source| RunError::Read {
+    reading::read(path, LARGEST).map_err(|source| RunError::Read {
         path: path.to_owned(),
         source,
     })

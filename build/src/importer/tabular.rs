@@ -6,6 +6,9 @@
 
 use urdf2fmu_core::encoding::text;
 
+/// Largest table, in bytes: a run of 25 variables with three million rows.
+pub const LARGEST: u64 = 1 << 30;
+
 /// The text of a file; bytes that are none become U+FFFD.
 pub fn decoded(bytes: Vec<u8>) -> String {
     text(bytes).unwrap_or_else(|refused| String::from_utf8_lossy(&refused.bytes).into_owned())

@@ -15,6 +15,7 @@ use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::geometry::field::{Field, Samples};
 use urdf2fmu_core::geometry::surface::{Surface, Triangles};
+use urdf2fmu_core::reading;
 use urdf2fmu_core::settings::{HeightSource, TerrainSettings};
 use urdf2fmu_core::spatial::{Vec3, rotation_from_rpy};
 use urdf2fmu_core::urdf;
@@ -48,7 +49,8 @@ pub fn shape(
                 error(code, format!("'{}': {message}", file.display()), help)
             };
             // As of heights.
-            File::open(file).map_err(|found| {
+            let there = reading::lasting(file).and_then(|()| File::open(file));
+            there.map_err(|found| {
                 let message = format!("{found}{}", or_meant(file, &found));
                 wrong("T001", message, read::UNREAD)
             })?;

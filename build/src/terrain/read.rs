@@ -1,12 +1,12 @@
 //! Heights from files: PNG, CSV, NPY.
 
 use super::npy;
-use std::fs::File;
-use std::io::Read;
+use std::io::ErrorKind;
 use std::path::Path;
 use urdf2fmu_core::diagnostic::words::or_meant;
 use urdf2fmu_core::encoding;
 use urdf2fmu_core::geometry::field::MOST_SAMPLES;
+use urdf2fmu_core::reading;
 use urdf2fmu_core::urdf::LFS_POINTER;
 
 /// Files larger than this, in bytes, hold no terrain that could be used.
@@ -50,22 +50,11 @@ pub(super) fn heights(path: &Path) -> Result<Table, Wrong> {
         message,
         help: UNREAD,
     };
-    if std::fs::metadata(path).is_ok_and(|data| !data.is_file()) {
-        return Err(unread("it is not a file".to_owned()));
-    }
-    let mut bytes = Vec::new();
-    let file = File::open(path);
-    let file = file.map_err(|error| unread(format!("{error}{}", or_meant(path, &error))))?;
-    file.take(LARGEST_FILE + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|error| unread(error.to_string()))?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        let help = "give it with fewer samples";
-        return Err(wrong(
-            format!("it has more than {LARGEST_FILE} bytes"),
-            help,
-        ));
-    }
+    let read = reading::lasting(path).and_then(|()| reading::read(path, LARGEST_FILE));
+    let bytes = read.map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => wrong(error.to_string(), "give it with fewer samples"),
+        _ => unread(format!("{error}{}", or_meant(path, &error))),
+    })?;
     if bytes.starts_with(LFS_POINTER) {
         let help = "fetch the file itself with 'git lfs pull'";
         return Err(wrong(

@@ -5,12 +5,13 @@ use super::folders;
 use super::problem::{Done, Lacking, Problem, Weight};
 use super::tree::{self, Element};
 use std::collections::BTreeMap;
-use std::io::Read as _;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::encoding::xml_text;
 use urdf2fmu_core::folder;
+use urdf2fmu_core::reading;
 use urdf2fmu_core::urdf::FoundPackage;
 
 /// What a file is called whose name is empty.
@@ -168,20 +169,13 @@ impl<'f> Sources<'f> {
             lacking: Some(Lacking::File(path.to_owned())),
             ..self.problem(format!("{name} cannot be read: {error}"))
         };
-        // Who opens a pipe waits for someone to write to it.
-        if std::fs::metadata(path).is_ok_and(|data| !data.is_file()) {
-            return Err(absent("it is not a file".to_owned()));
-        }
-        let read = || {
-            let mut bytes = Vec::new();
-            let file = std::fs::File::open(path)?;
-            file.take(LARGEST_FILE + 1).read_to_end(&mut bytes)?;
-            Ok::<_, std::io::Error>(bytes)
+        let read = reading::lasting(path).and_then(|()| reading::read(path, LARGEST_FILE));
+        let bytes = match read {
+            Err(error) if error.kind() == ErrorKind::FileTooLarge => {
+                return Err(self.problem(format!("{} is too large", path.display())));
+            }
+            read => read.map_err(|error| absent(error.to_string()))?,
         };
-        let bytes = read().map_err(|error| absent(error.to_string()))?;
-        if bytes.len() as u64 > LARGEST_FILE {
-            return Err(self.problem(format!("{} is too large", path.display())));
-        }
         let text = xml_text(bytes).map_err(|refused| {
             let what = match refused.declared {
                 Some(encoding) => format!("is in {encoding}: save it as UTF-8"),
