@@ -339,7 +339,7 @@ fn a_xacro_file_that_grows_without_bound_is_told() {
         let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
         assert!(made.success());
         let include = "<xacro:include filename=\"pipe\"/>".to_owned();
-        cases.push((include, "it is not a file"));
+        cases.push((include, "it is a pipe, not a file"));
     }
     for (body, expected) in cases {
         let path = folder.path().join("r.xacro");
