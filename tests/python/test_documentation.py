@@ -159,3 +159,51 @@ def test_the_picture_of_the_frames_has_three_axes_in_their_colors(export, exampl
         others = [c for c in range(3) if c != channel]
         stands_out = frames[:, :, channel] > frames[:, :, others].max(axis=2) + 60
         assert (stands_out & changed).sum() > 100, ("red", "green", "blue")[channel]
+
+
+#: A robot of one box and, on a joint, a second one; lengths in m by a factor.
+BOXES = """<robot name="boxes"><link name="{base}"><inertial><mass value="{mass}"/>
+  <inertia ixx="{inertia}" iyy="{inertia}" izz="{inertia}" ixy="0" ixz="0" iyz="0"/></inertial>
+  <visual><geometry><box size="{size} {size} {size}"/></geometry></visual>
+  <collision><geometry><box size="{size} {size} {size}"/></geometry></collision></link>
+<link name="{arm}"><inertial><mass value="{mass}"/>
+  <inertia ixx="{inertia}" iyy="{inertia}" izz="{inertia}" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="{joint}" type="continuous"><parent link="{base}"/><child link="{arm}"/>
+  <origin xyz="0 0 {size}"/><axis xyz="0 1 0"/></joint></robot>"""
+
+#: The share of the view's height that the robot's box takes.
+SHARE = """(() => { const { view } = window.page.page; view.draw();
+  const { min, max } = view.robot.box(), V = min.constructor, ys = [];
+  for (const x of [min.x, max.x]) for (const y of [min.y, max.y]) for (const z of [min.z, max.z])
+    ys.push(new V(x, y, z).project(view.stage.camera).y);
+  return (Math.max(...ys) - Math.min(...ys)) / 2; })()"""
+
+
+def test_a_robot_of_a_millimetre_fills_the_view_as_one_of_a_metre(browser, export, tmp_path):
+    shares = []
+    for size, mass in (1.0, 1.0), (1e-3, 1e-3):
+        urdf = tmp_path / f"{size}.urdf"
+        urdf.write_text(BOXES.format(base="base", arm="arm", joint="j", size=size, mass=mass,
+                                     inertia=mass * size * size / 6))
+        folder = tmp_path / str(size)
+        folder.mkdir()
+        file = documentation(export(urdf, documented=True), folder)
+        with browser.page(in_robot_html(file), width=480, height=360).ready() as page:
+            shares.append(page.evaluate(SHARE))
+    assert shares[0] > 0.3, shares
+    assert abs(shares[1] / shares[0] - 1) < 0.01, shares
+
+
+def test_long_names_do_not_make_the_documentation_scroll_sideways(browser, export, tmp_path):
+    urdf = tmp_path / "r.urdf"
+    names = {key: key + "_of_a_robot_with_a_name_that_never_comes_to_its_end" * 2 for key in ("base", "arm", "joint")}
+    urdf.write_text(BOXES.format(**names, size=0.1, mass=1, inertia=1 / 600))
+    settings = f"[[sensor]]\ntype = 'ray'\nlink = '{names['base']}'\nhits = true\n[outputs]\nlinks = ['*']\n"
+    file = documentation(export(urdf, settings, documented=True), tmp_path)
+    with Local(browser, file, width=1440, height=900) as page:
+        page.until("document.readyState === 'complete'")
+        for width in 1440, 1024, 360:
+            page.call("Emulation.setDeviceMetricsOverride", width=width, height=800, deviceScaleFactor=1,
+                      mobile=width < 760)
+            page.until(f"innerWidth === {width}")
+            assert page.evaluate("document.documentElement.scrollWidth") <= width

@@ -293,7 +293,7 @@ class Page {
         part("speed", Math.hypot(...speed).toFixed(2), " m/s");
       }
       const height = run.value(base[2]);
-      if (height !== undefined) part("height", height.toFixed(3), " m");
+      if (height !== undefined) part("height", (Math.round(height * 1000) / 1000 + 0).toFixed(3), " m");
       for (const angle of ["roll", "pitch"]) {
         const name = base[0].replace(/position(.)x$/, `rpy$1${angle}`);
         const value = run.value(name);

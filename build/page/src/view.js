@@ -31,7 +31,8 @@ export class View {
     run.locate(run.start);
     this.robot.pose(run);
     const sides = this.robot.box().getSize(new Vector3());
-    this.size = Math.max(sides.x, sides.y, sides.z, 0.05);
+    // A robot of which nothing is drawn has none.
+    this.size = Math.max(sides.x, sides.y, sides.z) || 1;
     this.weight = Math.max(scene.head.mass * 9.81, 1e-9);
     this.contacts = new Contacts(scene, this.robot, this.size);
     for (const [name, , , , on] of TOGGLES) this.shown[name] = on;
