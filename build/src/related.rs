@@ -11,6 +11,8 @@ use crate::importer::experiment::Experiment;
 use crate::importer::run::{self, Outcome};
 use crate::library::{Binary, LibraryError, embedded, pack, target};
 use crate::listing::Listed;
+use crate::output::tell;
+use crate::progress::Progress;
 use crate::ssv;
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
@@ -18,6 +20,7 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::io;
 use std::path::Path;
+use std::time::{Duration, Instant};
 use urdf2fmu_core::model::Model;
 use urdf2fmu_core::prepared::FILE_NAME;
 use urdf2fmu_core::settings::FmiVersion;
@@ -56,6 +59,20 @@ const ANGLE: f64 = 0.1;
 const WAY: f64 = 0.02;
 /// N·m and N
 const EFFORT: f64 = 0.1;
+
+/// Seconds of the clock after which a word is said of a run that is not done.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// What is said then.
+///
+/// - `time`: what has been simulated, s
+fn slow(time: f64) -> String {
+    format!(
+        "note: the reference run is at {time:.3} of {STOP} s after {} s of the clock, and goes on; \
+         without --reference-run there is none\n",
+        PATIENCE.as_secs()
+    )
+}
 
 /// Why there is no reference run.
 #[derive(Debug, thiserror::Error)]
@@ -128,7 +145,18 @@ pub fn reference(subject: &Subject, folder: &Path) -> Result<Reference, RelatedE
         inputs: Some(folder.join(INPUTS)),
         ..Experiment::default()
     };
-    let mut outcome = run::simulate(folder, &experiment, &mut |_, _| true)?;
+    let mut progress = Progress::new(true);
+    let mut patience = Some(Instant::now() + PATIENCE);
+    let mut outcome = run::simulate(folder, &experiment, &mut |time, times| {
+        progress.at(time, times.start, times.stop);
+        if patience.is_some_and(|end| Instant::now() > end) {
+            patience = None;
+            // Whoever has no terminal sees no progress; a stream that is closed needs none.
+            _ = tell(&slow(time));
+        }
+        true
+    })?;
+    progress.clear();
     match outcome.failure.take() {
         Some(failure) => Err(failure.into()),
         None => Ok(Reference { inputs, outcome }),
