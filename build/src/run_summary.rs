@@ -3,7 +3,7 @@
 use crate::events::{Event, moment};
 use crate::importer::run::Outcome;
 use crate::progress::times;
-use crate::summary::wrap;
+use crate::summary::{rounded, wrap};
 use std::fmt::Write as _;
 
 /// Columns of a line of text.
@@ -103,17 +103,6 @@ fn pose(names: &[String], row: &[f64]) -> Option<String> {
         rounded(angle("pitch")?, 1),
         rounded(angle("yaw")?, 1),
     ))
-}
-
-/// A number without "-0.0".
-fn rounded(x: f64, decimals: usize) -> String {
-    let text = format!("{x:.decimals$}");
-    let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
-    if is_zero {
-        text.trim_start_matches('-').to_owned()
-    } else {
-        text
-    }
 }
 
 #[cfg(test)]

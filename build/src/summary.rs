@@ -11,7 +11,10 @@ use urdf2fmu_drawing::picture::{Camera, Look};
 
 /// The report of `picture`: the file, and the camera for whoever wants to take the same picture.
 pub fn picture(output: &Path, bytes: usize, look: &Look, camera: &Camera) -> String {
-    let vector = |v: &Vec3| format!("({:.6}, {:.6}, {:.6})", v.x, v.y, v.z);
+    let vector = |v: &Vec3| {
+        let [x, y, z] = [v.x, v.y, v.z].map(|x| rounded(x, 6));
+        format!("({x}, {y}, {z})")
+    };
     format!(
         "{}  {}, {} by {} pixels\n  camera     at {} m, towards {} m, field of view {} degrees\n",
         output.display(),
@@ -22,6 +25,17 @@ pub fn picture(output: &Path, bytes: usize, look: &Look, camera: &Camera) -> Str
         vector(&camera.target),
         camera.field_of_view,
     )
+}
+
+/// A number without "-0.0".
+pub fn rounded(x: f64, decimals: usize) -> String {
+    let text = format!("{x:.decimals$}");
+    let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+    if is_zero {
+        text.trim_start_matches('-').to_owned()
+    } else {
+        text
+    }
 }
 
 /// The report of `picture --run`.
@@ -128,6 +142,14 @@ fn size(bytes: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A camera in front looks along an axis, where sums of products are -1e-17.
+    #[test]
+    fn places_have_no_negative_zero() {
+        let found = [-1e-17, -4e-7, -0.0, -0.5, 0.25].map(|x| rounded(x, 6));
+        let expected = ["0.000000", "0.000000", "0.000000", "-0.500000", "0.250000"];
+        assert_eq!(found, expected);
+    }
 
     #[test]
     fn wrap_breaks_between_words_only() {

@@ -380,7 +380,8 @@ fn an_fmu_that_cannot_be_unpacked_is_reported() {
         "TMPDIR=/no/such/folder \"$urdf2fmu\" simulate \"$fmu\" --stop-time 0.02",
     );
     assert_eq!(run.code, 1, "{run:?}");
-    assert!(run.err.contains("temporary folder"), "{}", run.err);
+    let told = "cannot make a temporary folder in '/no/such/folder', where TMPDIR";
+    assert!(run.err.contains(told), "{}", run.err);
 }
 
 #[test]

@@ -60,7 +60,10 @@ pub enum CliError {
     #[error(transparent)]
     Run(#[from] RunError),
     /// A folder to unpack an FMU in.
-    #[error("cannot make a temporary folder: {0}")]
+    #[error(
+        "cannot make a temporary folder in '{}', where TMPDIR or the system has them: {error}",
+        std::env::temp_dir().display(), error = .0
+    )]
     Temporary(std::io::Error),
     /// The FMU's scene.
     #[error("'{}': resources/{FILE}: {source}", path.display(), FILE = scene::FILE_NAME)]

@@ -12,6 +12,7 @@ use urdf2fmu_core::diagnostic::angles;
 use urdf2fmu_core::diagnostic::gravity::{self, Unusual};
 use urdf2fmu_core::digits::Digits;
 use urdf2fmu_core::pattern::Pattern;
+use urdf2fmu_core::range::number_or_ratio;
 use urdf2fmu_core::reading;
 
 /// Longest table of results, in rows: a longer one is probably a typing error in an interval.
@@ -219,10 +220,9 @@ pub(super) fn starts<'d>(
                 (Kind::Integer, text) => {
                     f64::from(text.parse::<i32>().map_err(|_| bad("whole number"))?)
                 }
-                (_, text) => text
-                    .parse()
-                    .ok()
-                    .filter(|x: &f64| x.is_finite())
+                // As the settings and the options for times take it.
+                (_, text) => number_or_ratio(text)
+                    .filter(|x| x.is_finite())
                     .ok_or_else(|| bad("finite number"))?,
             };
             if variable.is_attitude() && angles::attitude(&variable.name, &[value]).is_some() {
@@ -382,6 +382,25 @@ mod tests {
         assert_eq!(told(ground, &[("z", "-9.81")]), None);
         // Sideways, as on a slope.
         assert_eq!(told(ground, &[("z", "1"), ("x", "9.8")]), None);
+    }
+
+    /// As settings take it; the text is no number otherwise.
+    #[test]
+    fn start_values_are_ratios_too() {
+        let text = "<fmiModelDescription fmiVersion='2.0' guid='1'><CoSimulation \
+                    modelIdentifier='m'/><ModelVariables><ScalarVariable name='solver.step_size' \
+                    valueReference='1' causality='parameter' variability='fixed'>\
+                    <Real start='0'/></ScalarVariable></ModelVariables></fmiModelDescription>";
+        let description = Description::parse(text).expect("legal");
+        let given = |value: &str| {
+            let pair = [("solver.step_size".to_owned(), value.to_owned())];
+            let starts = starts(&description, &pair).ok()?;
+            Some(starts[0].1)
+        };
+        assert_eq!(given("1/240"), Some(1.0 / 240.0));
+        assert_eq!(given("0.25"), Some(0.25));
+        assert_eq!(given("1/0"), None);
+        assert_eq!(given("1/240 s"), None);
     }
 
     #[test]
