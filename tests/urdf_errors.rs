@@ -461,3 +461,26 @@ fn mutated_files_never_panic() {
     // Else the changes are too rough to reach the later checks.
     assert!(read_well > 100, "only {read_well} of 4000 are still robots");
 }
+
+/// A link that moves without a mass is an error (A104), so that nobody is sent there.
+#[test]
+fn the_advice_about_masses_is_for_links_that_move_too() {
+    for (mass, inertia, code) in [
+        ("-1", "1", "U060"),
+        ("1e-13", "1", "U064"),
+        ("0", "1", "U064"),
+    ] {
+        let text = format!(
+            "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='{mass}'/>\
+             <inertia ixx='{inertia}' iyy='{inertia}' izz='{inertia}' ixy='0' ixz='0' iyz='0'/>\
+             </inertial></link><joint name='j' type='continuous'><parent link='a'/>\
+             <child link='b'/></joint></robot>"
+        );
+        let read = read_str(&text, "r.urdf", Path::new("."), &ReadOptions::default());
+        let found = read.map_or_else(|errors| errors, |robot| robot.diagnostics);
+        let told = found.iter().find(|finding| finding.code == code);
+        let help = told.and_then(|told| told.help.clone()).unwrap_or_default();
+        let sound = help.starts_with("give ") && help.contains("a frame that does not move");
+        assert!(sound, "{mass}: {found:?}");
+    }
+}

@@ -57,6 +57,7 @@ const SYNONYMS: &[(&str, &str)] = &[
     ("min", "lower"),
     ("mu", "friction"),
     ("mu1", "friction"),
+    ("name", "joint"),
     ("name", "link"),
     ("orientation", "rpy"),
     ("origin", "xyz"),

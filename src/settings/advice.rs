@@ -3,6 +3,7 @@
 use super::keys;
 use crate::diagnostic::words::{called, nearest};
 use crate::range::number_or_ratio;
+use std::f64::consts::TAU;
 
 /// A table as a file writes it.
 pub(super) fn shown(path: &str) -> String {
@@ -44,6 +45,42 @@ pub(super) fn quoted(name: &str, text: &str) -> String {
     } else {
         String::new()
     }
+}
+
+/// What to write in place of a number that is no count.
+pub(super) fn count(name: &str, number: f64, most: u32) -> String {
+    // The next one is at least two, so that what belongs to several has a meaning.
+    let next = number.ceil();
+    if (1.0..=f64::from(most)).contains(&number) {
+        format!("write {name} = {next}")
+    } else {
+        String::new()
+    }
+}
+
+/// What to write in place of an angle that is more than a turn.
+pub(super) fn angle(name: &str, number: f64) -> String {
+    if !["fov", "vertical_fov"].contains(&name) || number <= TAU {
+        return String::new();
+    }
+    let turn = "a row all around has less than a turn, which is 6.283185";
+    if number < 360.0 {
+        let radians = libm::round(1e6 * number.to_radians()) / 1e6;
+        format!("angles are in rad: {number}° are {name} = {radians}; {turn}")
+    } else {
+        format!("angles are in rad, and {turn}")
+    }
+}
+
+/// What to write in place of the density of a noise that is given by its deviation alone.
+pub(super) fn noise_of(path: &str, name: &str) -> Option<String> {
+    let known = keys::children(path);
+    let lacks = name == "noise_density" && known.contains(&"noise");
+    lacks.then(|| {
+        "write noise, the deviation of each sample: noise_density times the root of the sensor's \
+         rate, which it needs"
+            .to_owned()
+    })
 }
 
 /// The tables that have a key of this name.

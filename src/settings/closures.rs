@@ -191,6 +191,15 @@ fn spring(reader: &mut Reader, section: &Section) -> Option<SpringSettings> {
         let message = "[[spring]] needs 'stiffness' or 'damping'";
         reader.error("S107", &section.span.clone(), message, "stiffness = 1000");
     }
+    if let (true, false, Some(entry)) = (
+        stiffness == 0.0 && damping > 0.0,
+        rejected("stiffness"),
+        section.entry("length"),
+    ) {
+        let message = "'length' has no meaning without 'stiffness'";
+        let help = "leave it out, or set stiffness, too";
+        reader.error("S106", &entry.span.clone(), message, help);
+    }
     Some(SpringSettings {
         links: links(reader, section, "spring")?,
         name: name(reader, section),

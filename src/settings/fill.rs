@@ -194,6 +194,14 @@ fn contact(reader: &mut Reader, section: &Section) -> ContactDefaults {
 fn surroundings(reader: &mut Reader, section: &Section, compat: Compat) -> World {
     let ground = section.table("ground");
     let kind = ground.word("type");
+    if kind.as_deref() == Some("none") {
+        let idle = ground.entries.iter().filter(|entry| entry.name != "type");
+        for entry in idle {
+            let message = format!("'{}' has no meaning with type = \"none\"", entry.name);
+            let help = "leave it out, or type = \"none\"; terrain has its own";
+            reader.error("S106", &entry.span.clone(), message, help);
+        }
+    }
     // Terrain takes the place of a ground that nobody asked for.
     let replaced = section.entry("ground").is_none() && section.entry("terrain").is_some();
     let friction = ground.number_as("friction", compat).unwrap_or(0.0);
@@ -317,12 +325,14 @@ fn actuator(reader: &mut Reader, section: &Section) -> Option<ActuatorSettings> 
 
 fn joint_settings(reader: &mut Reader, joint: Pattern, section: &Section) -> JointSettings {
     let limits = section.table("limits");
-    let (lower, upper) = (limits.number("lower"), limits.number("upper"));
-    if let (Some(lower), Some(upper)) = (lower, upper)
-        && lower > upper
+    let (mut lower, mut upper) = (limits.number("lower"), limits.number("upper"));
+    if let (Some(low), Some(high)) = (lower, upper)
+        && low > high
     {
-        let message = format!("the lower limit {lower} lies above the upper limit {upper}");
+        let message = format!("the lower limit {low} lies above the upper limit {high}");
         reader.error("S106", &limits.span, message, "exchange them");
+        // The joint would be told to have no range, too.
+        (lower, upper) = (None, None);
     }
     JointSettings {
         joint,

@@ -180,7 +180,8 @@ impl<'a> Reader<'a> {
             } else {
                 let is_table = value.get_ref().is_table();
                 let message = format!("unknown key '{text}' in {}", advice::shown(path));
-                let help = advice::key(text, &known, &unknown, is_table);
+                let help = advice::noise_of(path, text)
+                    .unwrap_or_else(|| advice::key(text, &known, &unknown, is_table));
                 self.error("S102", &name.span(), message, help);
                 section.rejected.push(text.to_owned());
                 continue;
@@ -316,7 +317,8 @@ impl<'a> Reader<'a> {
                     return Some(Value::Number(number));
                 }
                 let message = format!("'{name}' must be a whole number from 1 to {most}");
-                self.error("S104", &value.span(), message, "");
+                let help = number.map(|number| advice::count(name, number, most));
+                self.error("S104", &value.span(), message, help.unwrap_or_default());
                 None
             }
             Takes::Version(versions) => {
@@ -487,7 +489,8 @@ impl<'a> Reader<'a> {
                 let span = value.span();
                 let given = self.text.get(span.clone()).unwrap_or_default();
                 let message = format!("'{name}' must be {}, not {given}", range.expected());
-                self.error("S104", &span, message, "");
+                let help = number.map(|number| advice::angle(name, number));
+                self.error("S104", &span, message, help.unwrap_or_default());
                 None
             }
         }

@@ -187,12 +187,13 @@ fn check_keys(reader: &mut Reader, section: &Section, word: &str) {
         ("vertical_fov", "rows", "one row"),
     ] {
         let told = is_rejected(section, count);
-        if let (None | Some(1), Some(entry), false) =
-            (whole(section, count), section.entry(angle), told)
-        {
+        let angled = section.entry(angle).map(|entry| entry.span.clone());
+        // One that is refused goes on as none, and would be told of after it was mended.
+        let angled = angled.or(is_rejected(section, angle).then(|| section.span.clone()));
+        if let (None | Some(1), Some(span), false) = (whole(section, count), angled, told) {
             let message = format!("'{angle}' has no meaning for {what}");
-            let help = format!("set {count}, too");
-            reader.error("S106", &entry.span.clone(), message, help);
+            let help = format!("set {count} above 1, too, or leave {angle} out");
+            reader.error("S106", &span, message, help);
         }
     }
     let rate = section.entry("rate").is_some() || is_rejected(section, "rate");

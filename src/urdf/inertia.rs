@@ -71,7 +71,7 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
     };
     if inertial.mass < 0.0 {
         let message = format!("mass {} kg is negative", inertial.mass);
-        let help = "give the mass in kg; leave <inertial> out for a massless frame";
+        let help = "give the mass in kg; a frame that does not move needs no <inertial>";
         scope.problem("U060", at(mass, "value"), &message, help);
         // So that what else is wrong with the robot can be looked for.
         inertial.mass = -inertial.mass;
@@ -89,7 +89,7 @@ pub(super) fn check(scope: &mut Scope, inertial: &mut CheckedInertial, mass: Nod
             "U064",
             at(mass, "value"),
             "the mass is zero and the inertia is not: it is used as it is",
-            "give a mass, or leave <inertial> out",
+            "give a mass, or, of a frame that does not move, leave <inertial> out",
         );
     }
     let point = inertial.mass * POINT * POINT;

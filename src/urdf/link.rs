@@ -153,7 +153,7 @@ fn mass(scope: &mut Scope, node: Node) -> Option<f64> {
             .attribute("value")
             .map_or_else(|| node.tag_at(), |a| a.at.clone());
         let message = format!("<mass> {mass:e} kg counts as none");
-        let help = "give the mass in kg, or leave <inertial> out";
+        let help = "give the mass in kg, or, of a frame that does not move, leave <inertial> out";
         scope.warning("U064", at, &message, help);
         Some(0.0)
     } else if mass > 0.0 {

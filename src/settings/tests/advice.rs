@@ -201,3 +201,98 @@ fn counts_name_their_whole_range_at_once() {
         );
     }
 }
+
+/// What is written in place of the value is right by itself and beside the others.
+#[test]
+fn advice_that_is_followed_leads_to_no_second_error() {
+    let ray = "[[sensor]]\ntype = \"ray\"\nlink = \"a\"\n";
+    let force = "[[sensor]]\ntype = \"ft\"\njoint = \"a\"\n";
+    // Text, part of each finding in order, what the advice makes of it.
+    for (text, told, mended) in [
+        (
+            format!("{ray}rays = 2.5\nfov = 1"),
+            &["write rays = 3"][..],
+            format!("{ray}rays = 3\nfov = 1"),
+        ),
+        (
+            format!("{ray}rays = 1.5\nfov = 1"),
+            &["write rays = 2"],
+            format!("{ray}rays = 2\nfov = 1"),
+        ),
+        (
+            format!("{ray}rays = 9\nfov = 90"),
+            &["90° are fov = 1.570796; a row all around"],
+            format!("{ray}rays = 9\nfov = 1.570796"),
+        ),
+        (
+            format!("{ray}fov = 400"),
+            &[
+                "angles are in rad, and a row all around",
+                "set rays above 1, too",
+            ],
+            format!("{ray}fov = 6.28\nrays = 9"),
+        ),
+        (
+            format!("{force}force.noise_density = [1, 1, 1]"),
+            &["write noise, the deviation of each sample: noise_density times the root"],
+            format!("{force}force.noise = [10, 10, 10]\nrate = 100"),
+        ),
+        (
+            "[joint.a.limits]\nlower = 1\nupper = -1".to_owned(),
+            &["exchange them"],
+            "[joint.a.limits]\nlower = -1\nupper = 1".to_owned(),
+        ),
+    ] {
+        let found = Settings::parse(&text, "robot.toml").expect_err(&text);
+        assert_eq!(found.len(), told.len(), "{text}: {found:?}");
+        for part in told {
+            let has = |d: &Diagnostic| d.help.as_ref().is_some_and(|help| help.contains(part));
+            assert!(found.iter().any(has), "{text}: {part}: {found:?}");
+        }
+        let whole = Settings::parse(&mended, "robot.toml");
+        assert!(whole.is_ok(), "{mended}: {whole:?}");
+    }
+}
+
+/// The assembly would tell of the same joint that it has no range.
+#[test]
+fn exchanged_limits_are_left_out_once_they_are_told() {
+    let text = "[joint.a.limits]\nlower = 1\nupper = -1";
+    let (settings, findings) = Settings::read_by(Reader::new("f", text), None);
+    assert_eq!(findings.len(), 1, "{findings:?}");
+    let joint = &settings.expect("the rest").joints[0];
+    assert_eq!((joint.lower, joint.upper), (None, None));
+}
+
+#[test]
+fn keys_that_mean_nothing_beside_another_one_are_told() {
+    for (text, key) in [
+        (
+            "[world.ground]\ntype = \"none\"\nfriction = 0.5",
+            "friction",
+        ),
+        (
+            "[world.ground]\ntype = \"none\"\nrestitution = 0.5",
+            "restitution",
+        ),
+        (
+            "[[spring]]\nlinks = [\"a\", \"b\"]\ndamping = 1\nlength = 0.1",
+            "length",
+        ),
+    ] {
+        let found = finding(text);
+        let told = format!("'{key}' has no meaning");
+        assert_eq!(found.code, "S106", "{text}: {found:?}");
+        assert!(found.message.starts_with(&told), "{text}: {found:?}");
+    }
+}
+
+/// Tables of others, which have a name, are not what was meant.
+#[test]
+fn the_name_of_a_joint_is_its_joint() {
+    let found = Settings::parse("[[actuator]]\nname = \"a\"", "robot.toml").expect_err("two");
+    let unknown = found.iter().find(|found| found.code == "S102");
+    let help = unknown.and_then(|found| found.help.as_deref());
+    let told = help.is_some_and(|help| help.starts_with("did you mean 'joint'?"));
+    assert!(told, "{found:?}");
+}
