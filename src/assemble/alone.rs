@@ -121,6 +121,7 @@ fn assemble(
     sink::warn(&model, &poses, settings, findings);
     warn_of_gravity(&model.world, findings);
     idle::report(&model, &robot.shapes, settings, findings);
+    idle::of_actuators(&model, settings, findings);
     actuators::add(&mut model, &poses, &robot.lines, settings, findings);
     actuators::report_velocity_limits(&model, findings);
     wheels::warn(&model, &poses, &polygons, findings);
@@ -129,6 +130,7 @@ fn assemble(
     }
     outputs::select(&mut model, settings, findings);
     let described = &description.sensors;
+    idle::of_described_sensors(description, settings, findings);
     sensors::select(&mut model, described, &settings.sensors, findings);
     touch::select(&mut model, settings, findings);
     pairs::select(&mut model, &settings.pairs, findings);

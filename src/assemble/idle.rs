@@ -7,8 +7,8 @@ use super::findings::Findings;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::model::{Arrays, Combination, Joint, JointKind, Link, Model};
 use crate::pattern::Pattern;
-use crate::settings::{Compat, FmiVersion, Settings, WheelFit};
-use crate::urdf::CollisionDescription;
+use crate::settings::{ActuatorSettings, Compat, FmiVersion, ModeChoice, Settings, WheelFit};
+use crate::urdf::{CollisionDescription, Description};
 
 /// Warns of the tables of joints and links that have a key in vain, each at its place.
 ///
@@ -37,6 +37,8 @@ pub(super) fn report(
         }
     }
     of_ignored_contacts(model, settings, findings);
+    of_velocity_limits(model, settings, findings);
+    of_surfaces(model, shapes, settings, findings);
     for entry in &settings.links {
         let rolls = matches!(entry.wheel_fit, Some(WheelFit::Cylinder | WheelFit::Sphere));
         let mut meant = model.links.iter().zip(shapes);
@@ -76,6 +78,105 @@ pub(super) fn report(
     }
 }
 
+/// Warns of joints that are held at a velocity limit which they do not have.
+fn of_velocity_limits(model: &Model, settings: &Settings, findings: &mut Findings) {
+    for entry in &settings.joints {
+        let moves = |joint: &&Joint| joint.kind != JointKind::Fixed;
+        let mut meant = matching(&entry.joint, &model.joints, |joint| &joint.name).filter(moves);
+        if entry.enforce_velocity == Some(true) && meant.all(|joint| joint.velocity.is_none()) {
+            let message = format!(
+                "'enforce_velocity' of [joint.\"{}\"] changes nothing: there is no velocity limit",
+                entry.joint.text
+            );
+            let help = "set a velocity above 0 there, or leave it out";
+            findings.warning("A144", entry.joint.place.clone(), message, help);
+        }
+    }
+}
+
+/// Warns of the surface of links that have none.
+fn of_surfaces(
+    model: &Model,
+    shapes: &[Vec<CollisionDescription>],
+    settings: &Settings,
+    findings: &mut Findings,
+) {
+    // What is said of all links may be meant for other robots, too.
+    for entry in settings.links.iter().filter(|entry| entry.link.text != "*") {
+        let keys = [
+            ("friction", entry.friction),
+            ("static_friction", entry.static_friction),
+            ("rolling_friction", entry.rolling_friction),
+            ("torsional_friction", entry.torsional_friction),
+            ("restitution", entry.restitution),
+            ("stiffness", entry.stiffness),
+            ("dissipation", entry.dissipation),
+        ];
+        let Some((key, _)) = keys.iter().find(|(_, value)| value.is_some()) else {
+            continue;
+        };
+        let mut meant = model.links.iter().zip(shapes);
+        if !meant.any(|(link, shapes)| entry.link.matches(&link.name) && !shapes.is_empty()) {
+            let message = format!(
+                "'{key}' of [link.\"{}\"] changes nothing: there is no collision shape that \
+                 touches anything",
+                entry.link.text
+            );
+            let help = "leave it out, or name the link that has the shapes";
+            findings.warning("A144", entry.link.place.clone(), message, help);
+        }
+    }
+}
+
+/// Warns of entries of `[[actuator]]` whose keys later ones replace for each of their joints.
+pub(super) fn of_actuators(model: &Model, settings: &Settings, findings: &mut Findings) {
+    if findings.has_errors() {
+        return;
+    }
+    let keys = |entry: &ActuatorSettings| {
+        let numbers = [entry.max_effort, entry.kp, entry.kd, entry.no_load_speed];
+        let mode = entry.mode.is_some();
+        [mode].into_iter().chain(numbers.map(|key| key.is_some()))
+    };
+    for (i, entry) in settings.actuators.iter().enumerate() {
+        // Those of an SRDF come first so that the settings may drive them.
+        if entry.mode == Some(ModeChoice::Passive) || !keys(entry).any(|set| set) {
+            continue;
+        }
+        let later = &settings.actuators[i + 1..];
+        let replaced = |joint: &Joint| {
+            let mut own = keys(entry).enumerate().filter(|(_, set)| *set);
+            let mut others = later
+                .iter()
+                .filter(|other| other.joint.matches(&joint.name));
+            own.all(|(key, _)| others.any(|other| keys(other).nth(key) == Some(true)))
+        };
+        let mut meant = matching(&entry.joint, &model.joints, |joint| &joint.name);
+        if meant.all(replaced) {
+            let message = format!(
+                "[[actuator]] of '{}' changes nothing: a later one sets the same for all of its \
+                 joints",
+                entry.joint.text
+            );
+            let help = "the last entry counts: put that of a glob before those of single joints";
+            findings.warning("A144", entry.joint.place.clone(), message, help);
+        }
+    }
+}
+
+/// Notes that the sensors of a file without any are asked for.
+pub(super) fn of_described_sensors(
+    description: &Description,
+    settings: &Settings,
+    findings: &mut Findings,
+) {
+    if settings.described_sensors && description.sensors.is_empty() {
+        let message =
+            "sensors = \"urdf\" changes nothing: the URDF has none that is read".to_owned();
+        findings.note("A144", message, "leave [robot] sensors, or --sensors, out");
+    }
+}
+
 /// Warns of links that are kept from touching each other where none do.
 fn of_ignored_contacts(model: &Model, settings: &Settings, findings: &mut Findings) {
     for patterns in &settings.ignored_contacts {
@@ -107,23 +208,59 @@ fn matching<'m, T>(
     all.iter().filter(move |one| pattern.matches(name(one)))
 }
 
-/// A warning of the law of contact where nothing in the world has a use for it.
-pub(super) fn of_world(model: &Model, settings: &Settings) -> Option<Diagnostic> {
-    let set = model.contact.stribeck_velocity;
-    let own = Settings::of(settings.compat).contact.stribeck_velocity;
+/// Warnings of keys of the law of contact that nothing in the world has a use for.
+pub(super) fn of_world(model: &Model, settings: &Settings) -> Vec<Diagnostic> {
+    let (set, own) = (&model.contact, Settings::of(settings.compat).contact);
     let ground = model.world.ground.iter().map(|ground| ground.static_excess);
     let mut excess = model.links.iter().map(|l| l.static_excess).chain(ground);
-    (set.to_bits() != own.to_bits() && excess.all(|excess| excess <= 0.0)).then(|| Diagnostic {
+    let touching: Vec<&Link> = model
+        .colliders
+        .iter()
+        .map(|collider| &model.links[collider.link.index()])
+        .collect();
+    let each =
+        |has: fn(&Link) -> bool| !touching.is_empty() && touching.iter().all(|link| has(link));
+    let stiff = each(|link| link.stiffness.is_some());
+    // Where coefficients are multiplied, the other side may keep a link from bouncing.
+    let own_counts = model.world.combination == Combination::Mean;
+    let damped = each(|link| link.dissipation.is_some() || link.restitution > 0.0) && own_counts;
+    let cases = [
+        (
+            "stribeck_velocity",
+            set.stribeck_velocity.to_bits() != own.stribeck_velocity.to_bits()
+                && excess.all(|excess| excess <= 0.0),
+            "friction falls from static_friction, and neither a link nor the ground has one above \
+             its friction",
+            "set static_friction in [link.\"…\"] or [world.ground], or leave it out",
+        ),
+        (
+            "penetration",
+            set.penetration.to_bits() != own.penetration.to_bits() && stiff,
+            "each link that touches anything has a stiffness of its own",
+            "leave it out, or the stiffness of the links",
+        ),
+        (
+            "stiffness",
+            set.stiffness.is_some() && stiff,
+            "each link that touches anything has one of its own",
+            "leave it out, or that of the links",
+        ),
+        (
+            "dissipation",
+            set.dissipation.to_bits() != own.dissipation.to_bits() && damped,
+            "each link that touches anything has one of its own, or a restitution in its place",
+            "leave it out, or that of the links",
+        ),
+    ];
+    let idle = cases.into_iter().filter(|(_, idle, ..)| *idle);
+    idle.map(|(key, _, why, help)| Diagnostic {
         severity: Severity::Warning,
         code: "A144",
-        message: "'stribeck_velocity' of [contact] changes nothing: friction falls from \
-                  static_friction, and neither a link nor the ground has one above its friction"
-            .to_owned(),
-        help: Some(
-            "set static_friction in [link.\"…\"] or [world.ground], or leave it out".to_owned(),
-        ),
+        message: format!("'{key}' of [contact] changes nothing: {why}"),
+        help: Some(help.to_owned()),
         place: None,
     })
+    .collect()
 }
 
 /// Notes that the density of links without mass is of none.

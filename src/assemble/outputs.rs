@@ -19,6 +19,19 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
             links(model, patterns, unsuitable, findings)
         }
     };
+    // That of no links at all is told in the settings.
+    let named = settings.contact_outputs != ContactOutputs::Links(Vec::new());
+    if settings.contact_points && contacts.is_empty() && named && !findings.has_errors() {
+        let (why, help) = match settings.contact_outputs {
+            ContactOutputs::Auto if model.world.ground.is_none() => (
+                "without a ground no link has contact outputs",
+                "name the links in contacts of [outputs], or leave it out",
+            ),
+            _ => ("no link has contact outputs", "leave it out"),
+        };
+        let message = format!("'contact_points' of [outputs] changes nothing: {why}");
+        findings.warning("A144", None, message, help);
+    }
     let shown = links(model, &settings.link_outputs, |_| None, findings);
     let welded = |l: usize| {
         let body = model.links[l].body;

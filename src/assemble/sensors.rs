@@ -1,10 +1,16 @@
 //! Sensors of the settings → sensors of the model.
 
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
 use super::findings::Findings;
 use crate::digits::Digits;
+use crate::geometry::Shape;
+use crate::geometry::pair::{Patch, Solid};
 use crate::model::{JointId, LinkId, Model, Sampling, Sensor, SensorKind};
+use crate::pattern::Pattern;
 use crate::settings::{Errors, Fan, SensorSettings, SensorSettingsKind};
 use crate::spatial::{Pose, Vec3};
+use crate::tuning::SENSED_BORDER;
 use crate::urdf::{SensedKind, SensorDescription};
 use crate::variables::identifier;
 use std::collections::BTreeSet;
@@ -97,6 +103,9 @@ fn sensor(model: &Model, settings: &SensorSettings, findings: &mut Findings) -> 
             ignored,
         } => {
             tell_of_a_doubled_ray(&name, columns, findings);
+            for (fan, what, angle) in [(columns, "rays", "fov"), (rows, "rows", "vertical_fov")] {
+                tell_of_one_direction(&name, fan, [what, angle], findings);
+            }
             let names: Vec<&str> = model.links.iter().map(|l| l.name.as_str()).collect();
             let ignored: BTreeSet<usize> = ignored
                 .iter()
@@ -132,6 +141,7 @@ fn sensor(model: &Model, settings: &SensorSettings, findings: &mut Findings) -> 
             ..Sampling::default()
         },
     };
+    tell_of_an_area_off_its_link(model, &sensor, &settings.on, findings);
     let (_, count) = sensor.erring();
     let list = |of: fn(&Errors) -> [f64; 3]| -> Vec<f64> {
         let all: Vec<f64> = settings.errors.iter().flat_map(of).take(count).collect();
@@ -164,6 +174,52 @@ fn tell_of_a_doubled_ray(name: &str, columns: &Fan, findings: &mut Findings) {
         );
         let help = format!("a row of so many rays all around has fov = {all}");
         findings.note("A131", message, &help);
+    }
+}
+
+/// Tells of several rays that all see the same.
+fn tell_of_one_direction(name: &str, fan: &Fan, [what, angle]: [&str; 2], findings: &mut Findings) {
+    let [first, last] = fan.angles;
+    if fan.count > 1 && first >= last && last >= first {
+        let count = fan.count;
+        let message =
+            format!("sensor '{name}': its {count} {what} have one direction, and see the same");
+        let help =
+            format!("set {angle}, the angle from the first to the last, or leave {what} out");
+        findings.warning("A144", None, message, &help);
+    }
+}
+
+/// Tells of a contact sensor whose box has nothing in common with the shapes of its link, so that
+/// it always measures 0.
+fn tell_of_an_area_off_its_link(
+    model: &Model,
+    sensor: &Sensor,
+    on: &Pattern,
+    findings: &mut Findings,
+) {
+    let SensorKind::Contact { half: Some(half) } = sensor.kind else {
+        return;
+    };
+    let X_BS = model.links[sensor.link.index()].X_BL.compose(&sensor.X_LS);
+    let area = Shape::Box {
+        half: half * (1.0 + SENSED_BORDER),
+    };
+    let area = Solid::new(&area, 0.0);
+    let mut patch = Patch::new();
+    let mut own = model.colliders.iter().filter(|c| c.link == sensor.link);
+    let meets = own.any(|collider| {
+        let solid = Solid::new(&collider.shape, 0.0);
+        patch.find((&area, &X_BS), (&solid, &collider.X_BG), 0.0)
+    });
+    if !meets {
+        let message = format!(
+            "sensor '{}': its box lies off the shapes of link '{}', so it measures 0",
+            sensor.name,
+            model.links[sensor.link.index()].name
+        );
+        let help = "correct xyz, rpy or size: they count from the frame of the link, in m and rad";
+        findings.warning("A131", on.place.clone(), message, help);
     }
 }
 

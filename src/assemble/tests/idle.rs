@@ -53,6 +53,53 @@ fn keys_without_the_one_that_they_belong_to_are_warned_of_at_their_place() {
             "no collision shape there is a mesh",
         ),
         ("[fmu]\narrays = \"all\"", None, "FMI 2 has no arrays"),
+        (
+            "[outputs]\ncontact_points = true\n[world.ground]\ntype = \"none\"",
+            None,
+            "without a ground no link has contact outputs",
+        ),
+        (
+            "[joint.left]\nvelocity = 0\nenforce_velocity = true",
+            Some(1),
+            "there is no velocity limit",
+        ),
+        (
+            "[link.mast_link]\nrestitution = 0.5\n",
+            Some(1),
+            "'restitution' of [link.\"mast_link\"]",
+        ),
+        (
+            "[link.\"*a*_link\"]\nstiffness = 1e4\n",
+            Some(1),
+            "there is no collision shape",
+        ),
+        (
+            "[contact]\npenetration = 1e-5\n[link.\"*\"]\nstiffness = 1e5",
+            None,
+            "'penetration' of [contact]",
+        ),
+        (
+            "[contact]\ndissipation = 9\n[link.\"*\"]\ndissipation = 8",
+            None,
+            "'dissipation' of [contact]",
+        ),
+        (
+            "[[actuator]]\njoint = \"left\"\nmode = \"velocity\"\nmax_effort = 3\n\
+             [[actuator]]\njoint = \"*\"\nmode = \"effort\"\n\
+             [[actuator]]\njoint = \"*\"\nno_load_speed = 5\nmax_effort = 3",
+            Some(2),
+            "[[actuator]] of 'left' changes nothing",
+        ),
+        (
+            "[[sensor]]\ntype = \"ray\"\nlink = \"chassis\"\nrays = 5",
+            None,
+            "its 5 rays have one direction",
+        ),
+        (
+            "[[sensor]]\ntype = \"ray\"\nlink = \"chassis\"\nrows = 3",
+            None,
+            "its 3 rows have one direction",
+        ),
     ] {
         let found = told(settings);
         let [(severity, place, message)] = &found[..] else {
@@ -74,6 +121,14 @@ fn keys_that_have_an_effect_on_anything_are_not() {
         "[robot]\nself_collision = true\n[[ignore_contact]]\nlinks = [\"*\"]",
         "[link.\"*\"]\nwheel_fit = \"none\"",
         "[fmu]\narrays = \"all\"\nfmi = 3",
+        "[outputs]\ncontact_points = true\ncontacts = [\"chassis\"]\n[world.ground]\ntype = \"none\"",
+        "[joint.\"*\"]\nenforce_velocity = true\n[joint.left]\nvelocity = 5",
+        "[link.\"*\"]\nfriction = 0.5",
+        "[contact]\npenetration = 1e-5\n[link.chassis]\nstiffness = 1e5",
+        // A key that later entries leave alone, and a joint that they do not mean.
+        "[[actuator]]\njoint = \"left\"\nmax_effort = 3\n[[actuator]]\njoint = \"*\"\nmode = \"velocity\"",
+        "[[actuator]]\njoint = \"*\"\nmode = \"effort\"\n[[actuator]]\njoint = \"left\"\nmode = \"velocity\"",
+        "[[sensor]]\ntype = \"ray\"\nlink = \"chassis\"\nrays = 5\nfov = 1",
         // As `init` writes it.
         "[contact]\nstribeck_velocity = 0.01",
         // The ground, which is not as bouncy, decides with the link.
@@ -84,6 +139,42 @@ fn keys_that_have_an_effect_on_anything_are_not() {
             "{settings}: {:?}",
             told(settings)
         );
+    }
+}
+
+#[test]
+fn sensors_of_a_file_without_any_are_noted() {
+    let found = told("[robot]\nsensors = \"urdf\"");
+    let [(Severity::Note, None, message)] = &found[..] else {
+        panic!("{found:?}");
+    };
+    assert!(message.contains("changes nothing"), "{message}");
+}
+
+/// The chassis is a ball of 0.1 m about its frame, so that a box of 0.1 m touches it up to 0.15 m.
+#[test]
+fn a_contact_sensor_whose_box_lies_off_its_link_is_told() {
+    for (keys, off) in [
+        ("size = [0.1, 0.1, 0.1]\nxyz = [5, 0, 0]", true),
+        ("size = [0.1, 0.1, 0.1]\nxyz = [0, 0.151, 0]", true),
+        ("size = [0.1, 0.1, 0.1]\nxyz = [0, 0.149, 0]", false),
+        // The border of a thousandth reaches what it is flush with.
+        ("size = [0.1, 0.1, 0.1]\nxyz = [0, 0.15, 0]", false),
+        // Turned by 45° a corner reaches 0.07 m.
+        (
+            "size = [0.1, 0.1, 0.1]\nxyz = [0, 0.169, 0]\nrpy = [0.785398, 0, 0]",
+            false,
+        ),
+        ("size = [1, 1, 1]", false),
+        ("size = [0.01, 0.01, 0.01]", false),
+        ("xyz = [5, 0, 0]", false),
+    ] {
+        let text = format!("[[sensor]]\ntype = \"contact\"\nlink = \"chassis\"\n{keys}");
+        let built = assembled(&cart(), &text);
+        let found = built.diagnostics.iter().find(|d| d.code == "A131");
+        assert_eq!(found.is_some(), off, "{keys}: {found:?}");
+        let line = found.and_then(|d| Some(d.place.as_ref()?.line));
+        assert_eq!(line, off.then_some(3), "{keys}");
     }
 }
 
