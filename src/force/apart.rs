@@ -24,20 +24,20 @@ impl Apart {
         }
     }
 
-    /// Finds what a pair has in common within `reach`, m, as [`Pair::touch`] does, unless it is
-    /// known to be apart. Places: the lower one first.
+    /// Finds what a pair has in common within `reach`, m, by `look`, as [`Pair::touch`] does,
+    /// unless it is known to be apart. Places: the lower one first.
     pub fn touch(
         &mut self,
         [a, b]: [usize; 2],
-        pair: &Pair,
-        patch: &mut Patch,
+        (pair, patch): (&Pair, &mut Patch),
         reach: f64,
+        look: impl FnOnce(&mut Patch) -> bool,
     ) -> bool {
         let known = &mut self.directions[b * (b - 1) / 2 + a];
         if *known != Vec3::zeros() && pair.is_apart_along(known, reach) {
             return false;
         }
-        let touch = pair.touch(patch, reach, None);
+        let touch = look(patch);
         if !touch {
             *known = pair.seen_from_first(&patch.normal);
         }

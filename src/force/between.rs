@@ -88,7 +88,7 @@ pub(super) fn find_pairs(
         list.push(contact);
         false
     };
-    pairs.each((tree, kin), [h, margin], |_| false, add);
+    pairs.each((tree, kin), ([h, margin], false), |_| false, add);
 }
 
 /// Energy that the springs between shapes hold at the poses of `kin`, J; adds their depths.
@@ -110,6 +110,6 @@ pub(super) fn held_between(tree: &Tree, kin: &Kinematics, contacts: &mut Contact
         sum += pair.spring(tree).stored(depth);
         false
     };
-    pairs.each((tree, kin), [0.0, 0.0], |_| false, add);
+    pairs.each((tree, kin), ([0.0, 0.0], true), |_| false, add);
     sum
 }

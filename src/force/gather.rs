@@ -278,7 +278,7 @@ impl ContactSet {
             next.is_some_and(|c| c.slot < slot + MOST_PARTS)
         };
         self.pairs
-            .each((tree, kin), [h, 0.0], is_known, |_, _, _, _| true)
+            .each((tree, kin), ([h, 0.0], false), is_known, |_, _, _, _| true)
     }
 
     /// Joins the trees of which shapes may come near each other within `h` seconds, or are nearer

@@ -17,6 +17,7 @@ mod detect;
 mod drive;
 mod gather;
 mod joint;
+mod kept;
 mod meeting;
 mod memory;
 mod named;

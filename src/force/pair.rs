@@ -49,6 +49,18 @@ impl<'a> Pair<'a> {
         patch.find_near(a, b, reach, nearby)
     }
 
+    /// The same, and all that they have in common beyond `reach` once anything is near; tells
+    /// whether [`Patch::limit`] makes what [`Self::touch`] finds of it for any reach.
+    pub fn touch_whole(&self, patch: &mut Patch, reach: f64) -> bool {
+        let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
+        patch.find_whole(a, b, reach)
+    }
+
+    /// Their poses, from O of the first one's tree.
+    pub fn poses(&self) -> &[Pose; 2] {
+        &self.poses
+    }
+
     /// Whether they are certainly farther apart than `reach`, m, along a direction that is given in
     /// the axes of the first one, see [`Patch::are_apart`].
     pub fn is_apart_along(&self, direction: &Vec3, reach: f64) -> bool {

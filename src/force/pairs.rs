@@ -7,6 +7,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::apart::Apart;
+use super::kept::Kept;
 use super::pair::Pair;
 use crate::geometry::Shape;
 use crate::geometry::pair::{MOST_PARTS, Nearby, Patch};
@@ -31,6 +32,8 @@ pub struct Pairs {
     near: Vec<[usize; 2]>,
     /// Along what those are apart that do not touch.
     apart: Apart,
+    /// What touching pairs had in common where a step ended.
+    kept: Kept,
     /// None where no shapes touch each other.
     patch: Option<Box<Patch>>,
 }
@@ -79,6 +82,10 @@ struct Known {
 /// By how much a ball that is looked at is larger than it must be, as a share of its radius, so
 /// that the next look need not ask the terrain.
 const AHEAD: f64 = 0.125;
+
+/// Room for looks at pairs and for their points that are kept, for each shape: a cube of a wall
+/// touches four others, with four points each, and half of each pair is its own.
+const KEPT: [usize; 2] = [4, 24];
 
 impl KnownGround {
     /// Room for each shape on each terrain of a model.
@@ -152,6 +159,7 @@ impl Pairs {
             known: KnownGround::of(model, shapes),
             near: Vec::with_capacity(shapes * shapes.saturating_sub(1) / 2),
             apart: Apart::new(shapes),
+            kept: Kept::new(KEPT.map(|each| each * shapes)),
             patch: (shapes > 0).then(Box::default),
         }
     }
@@ -160,10 +168,12 @@ impl Pairs {
     /// go in `h` seconds, or nearer than `margin`, m, by ascending slots, until it says that it has
     /// enough; tells whether it has. Pairs whose places are to be passed over are not looked at
     /// closely.
+    ///
+    /// - `keep`: whether what is found is kept for the next looks at the same poses
     pub(super) fn each(
         &mut self,
         (tree, kin): (&Tree, &Kinematics),
-        [h, margin]: [f64; 2],
+        ([h, margin], keep): ([f64; 2], bool),
         pass_over: impl Fn([usize; 2]) -> bool,
         mut take: impl FnMut(usize, &Pair, &mut Patch, usize) -> bool,
     ) -> bool {
@@ -176,8 +186,12 @@ impl Pairs {
             grounds,
             known,
             apart,
+            kept,
             ..
         } = self;
+        if keep {
+            kept.clear();
+        }
         let enough = near.iter().any(|&places| {
             !pass_over(places)
                 && Pair::new(tree, kin, places).is_some_and(|pair| {
@@ -190,7 +204,13 @@ impl Pairs {
                     let touch = if ground.is_some() {
                         pair.touch(&mut patch, reach, nearby)
                     } else {
-                        apart.touch(places, &pair, &mut patch, reach)
+                        apart.touch(places, (&pair, &mut patch), reach, |patch| {
+                            if keep {
+                                return kept.touch(places, &pair, patch, reach);
+                            }
+                            let known = kept.recall(places, &pair, patch, reach);
+                            known.unwrap_or_else(|| pair.touch(patch, reach, None))
+                        })
                     };
                     touch
                         && (0..patch.parts().len()).any(|at| {
@@ -201,6 +221,11 @@ impl Pairs {
         });
         self.patch = Some(patch);
         enough
+    }
+
+    /// Takes what another search has kept.
+    pub(crate) fn take_kept(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.kept, &mut other.kept);
     }
 
     /// See [`super::ContactSet::group`].

@@ -206,10 +206,17 @@ impl Stepper {
             Standing::Posed => std::mem::swap(&mut self.here.kin, &mut self.there.kin),
             Standing::Nowhere => self.here.pose(ctx, &state.physical),
         }
+        self.take_kept();
         let h = landing(way.proposed.min(MAX_STEP), way.remaining());
         self.here.begin_smooth(ctx, &state.physical, h);
         self.explicit.integrator.restart();
         way.standing = Standing::Nowhere;
+    }
+
+    /// Takes what the last try has found of pairs at its end, where the next step may begin.
+    fn take_kept(&mut self) {
+        let there = &mut self.there.terms.contacts.pairs;
+        self.here.terms.contacts.pairs.take_kept(there);
     }
 
     /// Takes an implicit step: as long as the error allows, or all the rest of the way where the
@@ -369,6 +376,7 @@ impl Stepper {
         let mut done = 0.0;
         while done < count {
             let ctx = &ctx.after(done * h);
+            self.take_kept();
             self.here.begin(ctx, &state.physical, h);
             self.check_limits(ctx)?;
             if self.rest(ctx, state, [h, span - done * h], balance) {
@@ -397,6 +405,7 @@ impl Stepper {
             let part = (h - done) / parts;
             let ctx = &ctx.after(done);
             if !current {
+                self.take_kept();
                 self.here.begin(ctx, &state.physical, part);
             }
             current = false;

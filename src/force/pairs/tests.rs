@@ -123,3 +123,42 @@ fn the_search_finds_every_pair_of_500_shapes_that_a_look_at_all_pairs_finds() {
         }
     }
 }
+
+/// Pairs of a cloud that touch where a step ends are not looked at anew where the next one begins,
+/// and those that have moved are. With no room for what is kept all would be.
+#[test]
+fn pairs_that_touch_are_known_where_they_stand() {
+    let model = cloud(100, Vec3::repeat(0.3), 5);
+    let simulation = crate::testing::start(model.clone(), 1e-3);
+    let (tree, state) = (simulation.tree(), &simulation.state().physical);
+    let mut kin = Kinematics::new(tree);
+    kin.update_poses(tree, &state.q);
+    kin.update_velocities(tree, &state.v);
+    let mut pairs = Pairs::new(&model);
+    let mut touching = Vec::new();
+    let still = ([0.0, 0.0], true);
+    pairs.each(
+        (tree, &kin),
+        still,
+        |_| false,
+        |slot, _, _, _| {
+            touching.push(slot);
+            false
+        },
+    );
+    let mut patch = Patch::new();
+    let mut recall = |kin: &Kinematics| {
+        let known = pairs.near.iter().filter(|places| {
+            let pair = Pair::new(tree, kin, **places).expect("two shapes");
+            let found = pairs.kept.recall(**places, &pair, &mut patch, 1e-3);
+            found == Some(true)
+        });
+        known.count()
+    };
+    assert!(touching.len() > 100, "{}", touching.len());
+    assert!(recall(&kin) >= touching.len(), "{}", touching.len());
+    for pose in &mut kin.X {
+        pose.p.x += 1e-9 * pose.p.x.abs().max(1.0);
+    }
+    assert_eq!(recall(&kin), 0);
+}

@@ -23,6 +23,8 @@ pub(super) struct Meeting {
     upper: Seen,
     lower: Seen,
     work: Polygons,
+    /// Whether walls that nothing can come between had a part in the last query.
+    pub(super) flush: bool,
 }
 
 impl Default for Meeting {
@@ -31,6 +33,7 @@ impl Default for Meeting {
             upper: Seen::NONE,
             lower: Seen::NONE,
             work: Polygons::NONE,
+            flush: false,
         }
     }
 }
@@ -60,17 +63,19 @@ impl Meeting {
     pub(super) fn find(
         &mut self,
         pair: (&Placed, &Placed),
-        reach: f64,
+        reaches: [f64; 2],
         points: &mut Points,
     ) -> (Vec3, bool, bool) {
-        self.find_if(pair, reach, |_| true, points)
+        self.find_if(pair, reaches, |_| true, points)
     }
 
     /// The same, of a pair that `acts` only with some normals: no points with others.
+    ///
+    /// - `near`, `reach`: how near the shapes and, once they are, their points have to be, m
     pub(super) fn find_if(
         &mut self,
         (a, b): (&Placed, &Placed),
-        reach: f64,
+        [near, reach]: [f64; 2],
         acts: impl Fn(&Vec3) -> bool,
         points: &mut Points,
     ) -> (Vec3, bool, bool) {
@@ -81,11 +86,13 @@ impl Meeting {
             }
             return (n, false, false);
         }
-        let (mut apart, mut gap, sharp) = gap(a, b, reach);
-        if gap > reach + sharp || !acts(&apart.normal) {
+        self.flush = false;
+        let (mut apart, mut gap, sharp) = gap(a, b, near);
+        if gap > near + sharp || !acts(&apart.normal) {
             return (apart.normal, apart.part < 1.0, apart.deep);
         }
         let kept = flush::between(a, b, &apart.normal, &apart);
+        self.flush = kept.is_some();
         if let Some(kept) = &kept {
             apart.normal = if kept.first {
                 -kept.outward
@@ -146,7 +153,7 @@ impl Meeting {
             _ => {}
         }
         if let Some(kept) = kept {
-            if left > 0.0 && gap <= reach {
+            if left > 0.0 && gap <= near {
                 flush::lowest((a, b), &kept, (gap, left), blend, points);
             }
             return (n, blended, apart.deep);
@@ -172,7 +179,9 @@ impl Meeting {
         points: &mut Points,
     ) -> Cover {
         let frame = Frame::new(*n);
-        let Self { upper, lower, work } = self;
+        let Self {
+            upper, lower, work, ..
+        } = self;
         upper.look(a, &frame);
         lower.look(b, &frame);
         upper.face(a, &frame, -1.0, lower.heights.1 + limits.level);

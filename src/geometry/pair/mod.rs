@@ -173,13 +173,25 @@ impl Patch {
             self.normal = self.parts[0].normal;
             return self.count > 0;
         }
-        let found = self.meeting.find((above, below), reach, &mut self.points);
+        self.meet(&couple, [reach; 2])
+    }
+
+    /// Finds what a couple without terrain has in common; see [`Meeting::find_if`] for the reaches.
+    fn meet(&mut self, couple: &Couple, reaches: [f64; 2]) -> bool {
+        let found = self
+            .meeting
+            .find(couple.ranked(), reaches, &mut self.points);
         (self.normal, self.blended, self.deep) = found;
         if couple.swapped {
             self.normal = -self.normal;
         }
         let normal = Some(&self.normal);
         self.points.finish(&couple.origin, normal, couple.swapped);
+        self.be_one_part()
+    }
+
+    /// Makes all points one part; tells whether there are any.
+    fn be_one_part(&mut self) -> bool {
         self.parts[0] = Part {
             normal: self.normal,
             points: 0..self.points().len(),
@@ -187,6 +199,45 @@ impl Patch {
         };
         self.count = usize::from(!self.points().is_empty());
         self.count > 0
+    }
+
+    /// Finds all points of two shapes that are nearer than `reach`, m, however far these points are
+    /// from each other; tells whether [`Self::limit`] makes of them what [`Self::find`] finds for
+    /// any reach. Not of terrain.
+    pub fn find_whole(
+        &mut self,
+        (a, X_WA): (&Solid, &Pose),
+        (b, X_WB): (&Solid, &Pose),
+        reach: f64,
+    ) -> bool {
+        self.points.clear();
+        self.count = 0;
+        if (X_WA.p - X_WB.p).norm() > a.reach + b.reach + reach {
+            return false;
+        }
+        let couple = Couple::new((a, X_WA), (b, X_WB));
+        self.meet(&couple, [reach, f64::INFINITY])
+            && !self.meeting.flush
+            && self.points.count() < MOST_POINTS
+    }
+
+    /// Takes points that [`Self::find_whole`] has found.
+    pub fn take(&mut self, normal: &Vec3, [blended, deep]: [bool; 2], points: &[PatchPoint]) {
+        self.normal = *normal;
+        (self.blended, self.deep) = (blended, deep);
+        self.points.take(points);
+        self.be_one_part();
+    }
+
+    /// Leaves out the points that are not within `reach`, m; tells whether any are. None where one
+    /// is just as far, which some rules take to be within reach and others do not.
+    pub fn limit(&mut self, reach: f64) -> Option<bool> {
+        let points = self.points();
+        if points.iter().any(|p| (p.depth + reach).abs() <= 0.0) {
+            return None;
+        }
+        self.points.limit(reach);
+        Some(self.be_one_part())
     }
 }
 

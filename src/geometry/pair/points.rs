@@ -168,11 +168,26 @@ impl Points {
         }
     }
 
+    /// Takes points in place of its own.
+    pub(super) fn take(&mut self, points: &[PatchPoint]) {
+        self.at[..points.len()].copy_from_slice(points);
+        self.count = points.len();
+    }
+
     /// Drops the points without a share.
     pub(super) fn drop_empty(&mut self) {
+        self.keep(|point| point.share > 0.0);
+    }
+
+    /// Drops the points that are not within `reach`, m.
+    pub(super) fn limit(&mut self, reach: f64) {
+        self.keep(|point| -point.depth < reach);
+    }
+
+    fn keep(&mut self, keeps: impl Fn(&PatchPoint) -> bool) {
         let mut kept = 0;
         for i in 0..self.count {
-            if self.at[i].share > 0.0 {
+            if keeps(&self.at[i]) {
                 self.at[kept] = self.at[i];
                 kept += 1;
             }

@@ -247,7 +247,7 @@ fn on_crest(
     // Points are found only where the crest has a part.
     let acts =
         |normal: &Vec3| part_between(&outwards(normal), &crest.sides, (shape, &middle)) > 0.0;
-    let (normal, ..) = meeting.find_if(pair, sink.reach, acts, points);
+    let (normal, ..) = meeting.find_if(pair, [sink.reach; 2], acts, points);
     if points.list().is_empty() {
         return;
     }

@@ -59,3 +59,45 @@ fn what_is_known_to_be_apart_is_found_to_be() {
     // that are within their roundings.
     assert!(shown > 10_000 && missed < shown / 100, "{shown} {missed}");
 }
+
+/// What is found of pairs once, at any reach, is what a look at each reach finds, to the last bit.
+#[test]
+fn what_is_found_whole_is_what_is_found_at_any_reach() {
+    let mut random = Random(0x2545_F491_4F6C_DD1D);
+    let (mut whole, mut patch, mut compared) = (Patch::new(), Patch::new(), 0);
+    for round in 0..5_000 {
+        let shapes = [round % 5, round / 5 % 5].map(|kind| any_shape(kind, 0.2, &mut random));
+        let solids = [0, 1].map(|i| solid(&shapes[i]));
+        let place = random.unit() * random.uniform(0.05, 0.5);
+        let X = at(random.vector(1.0), any_rotation(&mut random));
+        // Every other pair lies face on face.
+        let R = if round % 2 == 0 {
+            X.R
+        } else {
+            any_rotation(&mut random)
+        };
+        let Y = at(X.p + place, R);
+        let pair = ((&solids[0], &X), (&solids[1], &Y));
+        if !whole.find_whole(pair.0, pair.1, 0.0) {
+            continue;
+        }
+        let (points, normal) = (whole.points().to_vec(), whole.normal);
+        let kinds = [whole.blended, whole.deep];
+        for reach in [0.0, 1e-3, 0.01, 0.1] {
+            whole.take(&normal, kinds, &points);
+            let Some(any) = whole.limit(reach) else {
+                continue;
+            };
+            assert_eq!(any, patch.find(pair.0, pair.1, reach), "{round}: {reach}");
+            assert_eq!(whole.points(), patch.points(), "{round}: {reach}");
+            if any {
+                assert_eq!(
+                    (whole.normal, kinds),
+                    (patch.normal, [patch.blended, patch.deep])
+                );
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 4_000, "{compared}");
+}
