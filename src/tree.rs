@@ -29,6 +29,7 @@ mod parts;
 mod scale;
 mod scenery;
 mod seams;
+mod spinning;
 
 pub use base::BaseFrame;
 pub use closure::{Closure, ClosureKind, End, TreeSpring};
@@ -49,7 +50,7 @@ use crate::parameters::Parameters;
 use crate::slots::ParameterSlot as P;
 use crate::sparsity::Sparsity;
 use crate::spatial::{Pose, RigidInertia, Vec3, rotation_from_rpy};
-use crate::tuning::{FACE, WHEEL};
+use crate::tuning::FACE;
 use std::sync::Arc;
 
 /// A pose in the frame of the solver, whose pose in the same frame is `X_BS`.
@@ -131,9 +132,7 @@ impl Tree {
         };
         let frames = tree.add_bodies(model, parameters);
         tree.add_inertia(model, parameters, &frames);
-        for b in 0..tree.bodies.len() {
-            tree.bodies[b].wheel = tree.is_wheel(b);
-        }
+        tree.find_spinning();
         tree.add_closures(model, &frames);
         tree.add_colliders(model, &frames, known);
         tree.contact.scenery = tree.scenery();
@@ -190,7 +189,7 @@ impl Tree {
                 dof: body.dof.index(),
                 ratio: body.ratio,
                 offset: body.offset,
-                wheel: false,
+                spinning: 1.0,
                 mass: 0.0,
                 com: Vec3::zeros(),
                 I_cm: [0.0; 6],
@@ -416,21 +415,5 @@ impl Tree {
             collider.ground.combine(both, contact.combination);
         }
         self.find_kept(model);
-    }
-
-    /// Whether a body turns about its joint's axis and looks the same to the rest of the robot
-    /// however it has turned.
-    fn is_wheel(&self, index: usize) -> bool {
-        let body = &self.bodies[index];
-        let [xx, yy, zz, xy, xz, yz] = body.I_cm;
-        let eccentric = body.mass * (body.com.x * body.com.x + body.com.y * body.com.y);
-        let uneven = (xx - yy).abs() + xy.abs() + xz.abs() + yz.abs() + eccentric;
-        body.kind.turns_about_its_axis()
-            && uneven <= WHEEL * (xx + yy + zz)
-            && self
-                .bodies
-                .iter()
-                .enumerate()
-                .all(|(b, body)| b == index || body.parent != index)
     }
 }

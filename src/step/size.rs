@@ -224,21 +224,20 @@ pub(super) fn worst_error(tree: &Tree, h: f64, error: impl Fn(usize) -> (f64, f6
     worst
 }
 
-/// Largest angular velocity of a body that is not a wheel at the start or the end of a step, with
-/// their velocities, rad/s.
+/// Largest rate at which the bias turns at the start or the end of a step, with their velocities,
+/// rad/s.
 pub(super) fn fastest_within(tree: &Tree, [start, end]: [&[f64]; 2]) -> f64 {
     fastest(tree, start).max(fastest(tree, end))
 }
 
-/// Largest angular velocity of a body that is not a wheel, rad/s.
+/// Largest rate at which the bias turns, rad/s: that of a body, or how a wheel makes what carries
+/// it nutate.
 pub(super) fn fastest(tree: &Tree, v: &[f64]) -> f64 {
-    let mut fastest = 0.0;
+    let mut fastest: f64 = 0.0;
     for span in &tree.island.spans {
         for (_, body) in tree.bodies_of(span) {
             let rate = body.kind.turn_rate(body.ratio, &v[body.dof..]);
-            if rate > fastest && !body.wheel {
-                fastest = rate;
-            }
+            fastest = fastest.max(body.spinning * rate);
         }
     }
     fastest

@@ -222,9 +222,9 @@ pub struct TreeBody {
     pub ratio: f64,
     /// Offset of a mimic joint, else 0.
     pub offset: f64,
-    /// Whether it is a wheel: it turns about its joint's axis, carries nothing and is even about
-    /// the axis.
-    pub wheel: bool,
+    /// Rate at which the bias turns over the one at which it turns: 1, and less or more for a wheel,
+    /// which is even about its joint's axis and carries nothing, see `spinning`.
+    pub spinning: f64,
     /// kg
     pub mass: f64,
     /// Centre of mass in the solver frame, m.

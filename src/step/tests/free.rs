@@ -4,6 +4,7 @@ use super::*;
 use crate::snapshot::Snapshot;
 use crate::state::State;
 use crate::tuning::MAX_FLOOR;
+use nalgebra::{Quaternion, UnitQuaternion};
 
 /// A mass on a rail, a pendulum on the mass.
 fn swing() -> Builder {
@@ -356,5 +357,49 @@ fn what_spins_without_measure_keeps_no_call_waiting() {
         drop(s.advance_to(1.0 / 240.0));
         let spin = Vec3::from_column_slice(&s.state().physical.v[6..9]);
         assert!((spin.norm() / 1e10 - 14.0_f64.sqrt()).abs() < 1e-6);
+    }
+}
+
+/// A satellite that tumbles with a wheel at 1000 rad/s, which a velocity motor holds. It is even
+/// about the wheel's axis `a`, and so Euler's equations have a closed solution: with the momentum
+/// `H` and the moment `A` across the axis, the satellite turns with `H/A` in the world and with
+/// `−(H·a/A − ω·a) a` within itself; it nutates with `|H|/A`, 60 rad/s, 9 mrad to both sides.
+/// Bounds: an error of a velocity counts by the step, and in 5 s the satellite turns by 300 rad.
+#[test]
+fn a_satellite_with_a_fast_wheel_nutates_as_eulers_equations_say() {
+    let (base, wheel) = ([0.045, 0.045, 0.03], [5e-3, 5e-3, 3e-3]);
+    let (across, along) = (base[0] + wheel[0], base[2] + wheel[2]);
+    let (spin, turns) = (1000.0, Vec3::new(0.3, 0.4, 0.2));
+    let momentum = Vec3::new(
+        across * turns.x,
+        across * turns.y,
+        along * turns.z + wheel[2] * spin,
+    );
+    let end = 5.0;
+    let rotation = |turn: Vec3| UnitQuaternion::from_scaled_axis(turn * end);
+    let within = Vec3::z() * (momentum.z / across - turns.z);
+    let truth = rotation(momentum / across) * rotation(-within);
+    let fixed = [(1.0 / 240.0, 1e-3, 5e-3), (1.0 / 1000.0, 1e-3, 1e-3)];
+    let controlled = [1e-5, 1e-6, 1e-7].map(|tolerance| (0.0, tolerance, 500.0 * tolerance));
+    for (step, tolerance, bound) in controlled.into_iter().chain(fixed) {
+        let mut b = Builder::new(true, inertia(5.0, Vec3::zeros(), base));
+        let link = b.link(
+            0u32.into_link(),
+            Pose::IDENTITY,
+            Motion::Revolute(Vec3::z()),
+            inertia(1.0, Vec3::zeros(), wheel),
+        );
+        b.actuator(link, ActuatorMode::Velocity, 1e3);
+        b.model.world.gravity = Vec3::zeros();
+        b.model.initial.joint_velocities = vec![spin];
+        b.model.roots[0].angular_velocity = turns;
+        b.model.solver.step_size = step;
+        let mut s = start(b.model, tolerance);
+        s.set_input(InputSlot::Velocity(ActuatorId(0)), spin);
+        run(&mut s, end, 1.0 / 240.0);
+        let q = &s.state().physical.q;
+        let found = UnitQuaternion::from_quaternion(Quaternion::new(q[3], q[4], q[5], q[6]));
+        let off = found.angle_to(&truth);
+        assert!(off < bound, "{step} {tolerance}: {off}");
     }
 }
