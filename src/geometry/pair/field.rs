@@ -250,10 +250,10 @@ impl OnField<'_, '_> {
                 return f64::NEG_INFINITY;
             }
             let (x, n, mut share) = field.sample(i, j);
-            if let Some((normal, depth, part)) = against(shape, &x, &n)
+            if let Some((normal, depth, part, place)) = against(shape, &x, &n)
                 && depth > -reach
                 && {
-                    share *= part;
+                    share *= part * part_over(field, shape, &place);
                     share *= match field.rim(i, j) {
                         Rim::Inside => 1.0,
                         Rim::Seam => 0.0,
@@ -273,6 +273,14 @@ impl OnField<'_, '_> {
             self.sink.add(&peak.normal, found);
         }
     }
+}
+
+/// How much of a place `x` of a shape in the ground counts: nothing where it is beside the ground
+/// by the rounding of the shape. What falls there is passed by lines along normals, too.
+fn part_over(field: &Field, shape: &Placed, x: &Vec3) -> f64 {
+    let [a, b] = field.within([x.x, x.y]);
+    let beside = (x.x - a).abs().max((x.y - b).abs());
+    (1.0 - beside / shape.solid.rounding()).max(0.0)
 }
 
 /// What of a sample at the end of the surface acts in a direction, see [`part_between`]. A ball
@@ -313,10 +321,11 @@ struct Peak {
 }
 
 /// How a point `x` of the surface, which has the normal `n` there, lies to the surface of a shape:
-/// the direction into the shape, how deep in it the point is, and how much of it counts. That is 0
-/// where the edge of the shape passes it and 1 from the rounding of that edge on: what slides over
-/// a sample does not come upon it at once. None where the shape is not over the point.
-fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64, f64)> {
+/// the direction into the shape, how deep in it the point is, how much of it counts, and the place
+/// of the shape along `n`. It counts 0 where the edge of the shape passes it and 1 from the rounding
+/// of that edge on: what slides over a sample does not come upon it at once. None where the shape is
+/// not over the point.
+fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64, f64, Vec3)> {
     let solid = shape.solid;
     if let Core::Point | Core::Segment { .. } = shape.core {
         let half = match shape.core {
@@ -328,7 +337,8 @@ fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64, f64)> {
         let apart = shape.p + axis * along - x;
         let distance = apart.norm();
         let normal = if distance > 0.0 { apart / distance } else { *n };
-        return Some((normal, solid.radius - distance, 1.0));
+        let depth = solid.radius - distance;
+        return Some((normal, depth, 1.0, x + normal * -depth));
     }
     // Where the line along `n` through the point enters the shape, and where it leaves.
     let (x, d) = (shape.R.tr_mul(&(x - shape.p)), shape.R.tr_mul(n));
@@ -388,7 +398,8 @@ fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64, f64)> {
         return None;
     }
     let part = (inside(solid, &(x + d * t), (&normal, &d)) / solid.rounding()).clamp(0.0, 1.0);
-    Some((-(shape.R * normal), t * normal.dot(&d), part))
+    let place = shape.world(&(x + d * t));
+    Some((-(shape.R * normal), t * normal.dot(&d), part, place))
 }
 
 /// How far a place on the surface of a shape is from the faces around that do not look where the

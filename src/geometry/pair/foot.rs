@@ -112,16 +112,19 @@ pub(super) fn nearest_from(
     }
     let mut n = here.local.normal();
     let at = Vec3::new(here.x[0], here.x[1], here.local.height);
+    let apart = c - at;
+    let is_below = apart.dot(&n) <= 0.0;
     if let Some(free) = held {
         if field.goes_on(free) {
             return None;
         }
-        let apart = c - at;
-        if apart.dot(&n) > 0.0 {
+        if !is_below {
             n = apart.normalize();
-        } else if !field.is_over(c) {
-            return None;
         }
+    }
+    // From deep beside the surface the nearest place with its normal may be anywhere.
+    if is_below && !field.is_over(c) {
+        return None;
     }
     Some((Place { at, n }, left))
 }
