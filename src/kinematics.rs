@@ -182,6 +182,15 @@ pub fn advance(tree: &Tree, from: &[f64], v: &[f64], h: f64, to: &mut [f64]) {
     }
 }
 
+/// Adds to the mean velocity of a way of `h` seconds, over which it changes by `change`, what makes
+/// [`advance`] lead to its end.
+pub fn wind(tree: &Tree, change: &[f64], h: f64, mean: &mut [f64]) {
+    for (_, body) in tree.worked_bodies() {
+        let (change, mean) = (&change[body.dof..], &mut mean[body.dof..]);
+        body.kind.wind(change, h, mean);
+    }
+}
+
 /// `b ⊖ a`: the velocity that leads from `a` to `b` in one second, see [`advance`].
 pub fn difference(tree: &Tree, b: &[f64], a: &[f64], out: &mut [f64]) {
     for (_, body) in tree.worked_bodies() {

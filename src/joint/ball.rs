@@ -1,7 +1,7 @@
 //! A joint that turns freely: `q = quaternion(w, x, y, z)` of the body after the joint's own pose,
 //! `v = ω` in the body's axes.
 
-use super::freedom::{Freedom, Mount, Sweep};
+use super::freedom::{Freedom, Mount, Sweep, winding};
 use crate::spatial::{
     Pose, Vec3, Vec6, add_scaled6, cross_motion, quaternion_exp, quaternion_log,
     quaternion_normalized, quaternion_product, rotation_from_quaternion,
@@ -43,6 +43,14 @@ impl Freedom for Ball {
         let q = [from[0], from[1], from[2], from[3]];
         let q = quaternion_normalized(&quaternion_product(&q, &turn));
         to.copy_from_slice(&q);
+    }
+
+    #[inline]
+    fn wind(change: &[f64], h: f64, mean: &mut [f64]) {
+        let winding = winding(change, h, mean);
+        for (mean, winding) in mean.iter_mut().zip(winding.iter()) {
+            *mean -= winding;
+        }
     }
 
     #[inline]

@@ -1,6 +1,6 @@
 //! A floating base: `q = [p_WB(3), quaternion(w, x, y, z)]`, `v = [ω_WB_W(3), ṗ_WB(3)]`.
 
-use super::freedom::{Freedom, Mount, Sweep};
+use super::freedom::{Freedom, Mount, Sweep, winding};
 use crate::spatial::{
     Pose, Vec3, Vec6, angular, linear, quaternion_exp, quaternion_log, quaternion_normalized,
     quaternion_product, rotation_from_quaternion,
@@ -49,6 +49,14 @@ impl Freedom for Free {
         let q = [from[3], from[4], from[5], from[6]];
         let q = quaternion_normalized(&quaternion_product(&turn, &q));
         to[3..].copy_from_slice(&q);
+    }
+
+    #[inline]
+    fn wind(change: &[f64], h: f64, mean: &mut [f64]) {
+        let winding = winding(change, h, mean);
+        for (mean, winding) in mean.iter_mut().zip(winding.iter()) {
+            *mean += winding;
+        }
     }
 
     #[inline]

@@ -205,6 +205,13 @@ impl Kind {
         of_kind!(self, K => K::advance(&from[..K::NQ], &v[..K::NV], h, &mut to[..K::NQ]));
     }
 
+    /// Adds to the mean velocity of a way of `h` seconds, over which it changes by `change`, what
+    /// makes [`Self::advance`] lead to its end.
+    #[inline]
+    pub fn wind(self, change: &[f64], h: f64, mean: &mut [f64]) {
+        of_kind!(self, K => K::wind(&change[..K::NV], h, &mut mean[..K::NV]));
+    }
+
     /// `b ⊖ a`: the velocity that leads from `a` to `b` in one second.
     #[inline]
     pub fn difference(self, b: &[f64], a: &[f64], out: &mut [f64]) {

@@ -53,7 +53,7 @@ pub(super) mod secants;
 use crate::closure::Rows;
 use crate::dynamics::{crba, rnea};
 use crate::force::{Contact, ContactSet, Memory, Secant, Terms, seek};
-use crate::kinematics::{advance, forward};
+use crate::kinematics::{advance, forward, wind};
 use crate::model::Model;
 use crate::spatial::Vec6;
 use crate::state::{Physical, Trend};
@@ -121,6 +121,8 @@ pub(super) struct Stages {
     loops: Vec<f64>,
     /// What the friction cones of each stage lag behind, as an error relative to the tolerance.
     lag: [f64; 2],
+    /// What the middle is off, as an error relative to the tolerance.
+    off: f64,
     /// Of the contacts of a step that is solved again, see `secants`.
     secants: Vec<Secant>,
     /// Most Newton iterations in a solve since the communication step has begun.
@@ -129,7 +131,7 @@ pub(super) struct Stages {
 
 #[cfg(test)]
 crate::spoil::spoil!(
-    Stages: middle terms aside solved trend q v moved way back from guess memory start forces error probe loops lag secants iterations;
+    Stages: middle terms aside solved trend q v moved way back from guess memory start forces error probe loops lag off secants iterations;
 );
 
 impl Stages {
@@ -158,6 +160,7 @@ impl Stages {
             probe: newton(),
             loops: Vec::with_capacity(Rows::most(tree)),
             lag: [0.0; 2],
+            off: 0.0,
             secants: Vec::with_capacity(room[0]),
             iterations: 0,
         }
@@ -182,15 +185,24 @@ impl Stages {
         if !self.run_stages(ctx, (here, from), [h, accuracy], alike) {
             return false;
         }
-        if self.misplaced(ctx, from, h) <= MISPLACED {
-            return true;
+        // Once more from the middle that it has found, as long as that comes nearer. One more time
+        // is not enough where something whirls: what nutates would grow in each step, by a share
+        // of the fourth power of its turn.
+        let mut before = f64::INFINITY;
+        loop {
+            self.off = self.misplaced(ctx, from, h);
+            if self.off <= MISPLACED || self.off > 0.5 * before {
+                return true;
+            }
+            before = self.off;
+            let [first, end] = self.solved.each_ref().map(|stage| &stage.v);
+            let (tree, start) = (ctx.tree, &from.v);
+            mean_acceleration(tree, start, (first, GAMMA * h), &mut self.trend.first);
+            mean_acceleration(tree, start, (end, h), &mut self.trend.whole);
+            if !self.run_stages(ctx, (here, from), [h, accuracy], alike) {
+                return false;
+            }
         }
-        // Once more from the middle that it has found.
-        let [first, end] = self.solved.each_ref().map(|stage| &stage.v);
-        let (tree, start) = (ctx.tree, &from.v);
-        mean_acceleration(tree, start, (first, GAMMA * h), &mut self.trend.first);
-        mean_acceleration(tree, start, (end, h), &mut self.trend.whole);
-        self.run_stages(ctx, (here, from), [h, accuracy], alike)
     }
 
     /// Error relative to the tolerance that a step of `h` seconds, which has been solved, makes
@@ -297,6 +309,10 @@ impl Stages {
             self.v[i] = early(*v, *a, h);
             self.moved[i] = -0.5 * h * self.v[i];
         }
+        for (change, a) in self.guess.iter_mut().zip(trend) {
+            *change = 0.5 * h * a;
+        }
+        wind(tree, &self.guess, 0.5 * h, &mut self.v);
         advance(tree, &from.q, &self.v, 0.5 * h, &mut self.q);
         for (middle, (v, a)) in self.v.iter_mut().zip(from.v.iter().zip(trend)) {
             *middle = v + 0.5 * h * a;

@@ -72,7 +72,7 @@ impl Stages {
         let error = &mut self.error;
         add_yielding(&self.terms[0], from, LEFT, unfiltered, error);
         add_turning(ctx.tree, [&from.v, &second.v], (turned, [h, 0.0]), error);
-        self.worst(ctx, h).max(self.lag())
+        self.worst(ctx, h).max(self.lag()).max(self.off)
     }
 
     /// Error of the first stage of the step of `h` seconds of which [`Self::error`] has just been

@@ -1,7 +1,7 @@
 //! What a step that has been solved leads to: its end, and the work that it takes.
 
 use super::{GAMMA, Stages};
-use crate::kinematics::advance;
+use crate::kinematics::{advance, wind};
 use crate::state::Physical;
 use crate::step::attempt::Attempt;
 use crate::step::point::{Context, Point};
@@ -63,6 +63,10 @@ impl Stages {
         for (moved, (v1, v2)) in self.moved.iter_mut().zip(first.v.iter().zip(&second.v)) {
             *moved = (1.0 - GAMMA) * v1 + GAMMA * v2;
         }
+        for ((change, v2), v0) in self.guess.iter_mut().zip(&second.v).zip(&from.v) {
+            *change = v2 - v0;
+        }
+        wind(ctx.tree, &self.guess, h, &mut self.moved);
         advance(ctx.tree, &from.q, &self.moved, h, &mut attempt.end.q);
         let step = coast::Step {
             from,

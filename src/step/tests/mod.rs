@@ -54,6 +54,7 @@ mod standing;
 mod sticking;
 mod swings;
 mod terrain;
+mod tops;
 mod turning;
 mod whips;
 mod worlds;
