@@ -222,8 +222,8 @@ pub struct TreeBody {
     pub ratio: f64,
     /// Offset of a mimic joint, else 0.
     pub offset: f64,
-    /// Rate at which the bias turns over the one at which it turns: 1, and less or more for a wheel,
-    /// which is even about its joint's axis and carries nothing, see `spinning`.
+    /// Rate at which the bias turns over the one at which it turns: 1, and less or more for a
+    /// wheel, which is even about its joint's axis and carries nothing, see `spinning`.
     pub spinning: f64,
     /// kg
     pub mass: f64,

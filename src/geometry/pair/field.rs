@@ -322,9 +322,9 @@ struct Peak {
 
 /// How a point `x` of the surface, which has the normal `n` there, lies to the surface of a shape:
 /// the direction into the shape, how deep in it the point is, how much of it counts, and the place
-/// of the shape along `n`. It counts 0 where the edge of the shape passes it and 1 from the rounding
-/// of that edge on: what slides over a sample does not come upon it at once. None where the shape is
-/// not over the point.
+/// of the shape along `n`. It counts 0 where the edge of the shape passes it and 1 from the
+/// rounding of that edge on: what slides over a sample does not come upon it at once. None where
+/// the shape is not over the point.
 fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64, f64, Vec3)> {
     let solid = shape.solid;
     if let Core::Point | Core::Segment { .. } = shape.core {
