@@ -280,7 +280,12 @@ impl OnField<'_, '_> {
 fn part_over(field: &Field, shape: &Placed, x: &Vec3) -> f64 {
     let [a, b] = field.within([x.x, x.y]);
     let beside = (x.x - a).abs().max((x.y - b).abs());
-    (1.0 - beside / shape.solid.rounding()).max(0.0)
+    // What is round has no edge that would be rounded.
+    if beside > 0.0 {
+        (1.0 - beside / shape.solid.rounding()).max(0.0)
+    } else {
+        1.0
+    }
 }
 
 /// What of a sample at the end of the surface acts in a direction, see [`part_between`]. A ball
@@ -322,9 +327,9 @@ struct Peak {
 
 /// How a point `x` of the surface, which has the normal `n` there, lies to the surface of a shape:
 /// the direction into the shape, how deep in it the point is, how much of it counts, and the place
-/// of the shape along `n`. It counts 0 where the edge of the shape passes it and 1 from the
-/// rounding of that edge on: what slides over a sample does not come upon it at once. None where
-/// the shape is not over the point.
+/// below the point along `n` where the shape begins, or the point itself. It counts 0 where the
+/// edge of the shape passes it and 1 from the rounding of that edge on: what slides over a sample
+/// does not come upon it at once. None where the shape is not over the point.
 fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64, f64, Vec3)> {
     let solid = shape.solid;
     if let Core::Point | Core::Segment { .. } = shape.core {
@@ -337,8 +342,7 @@ fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64, f64, Vec3)>
         let apart = shape.p + axis * along - x;
         let distance = apart.norm();
         let normal = if distance > 0.0 { apart / distance } else { *n };
-        let depth = solid.radius - distance;
-        return Some((normal, depth, 1.0, x + normal * -depth));
+        return Some((normal, solid.radius - distance, 1.0, *x));
     }
     // Where the line along `n` through the point enters the shape, and where it leaves.
     let (x, d) = (shape.R.tr_mul(&(x - shape.p)), shape.R.tr_mul(n));
@@ -398,7 +402,7 @@ fn against(shape: &Placed, x: &Vec3, n: &Vec3) -> Option<(Vec3, f64, f64, Vec3)>
         return None;
     }
     let part = (inside(solid, &(x + d * t), (&normal, &d)) / solid.rounding()).clamp(0.0, 1.0);
-    let place = shape.world(&(x + d * t));
+    let place = shape.world(&(x + d * t.min(0.0)));
     Some((-(shape.R * normal), t * normal.dot(&d), part, place))
 }
 

@@ -1,6 +1,6 @@
 //! Where terrain ends: what slides or rolls over the end goes on as mechanics says.
 
-use super::terrain::{field, grid, ground, mesh, over};
+use super::terrain::{field, grid, ground, mesh, over, shapes};
 use super::worlds::body;
 use super::*;
 use std::f64::consts::FRAC_PI_2;
@@ -255,5 +255,33 @@ fn what_stands_on_an_end_that_goes_on_in_part_does_not_fall_through() {
                 "{name} at {end}: {z} instead of {height}"
             );
         }
+    }
+}
+
+/// What falls beside uneven ground meets nothing, however deep it falls: below the end of heights
+/// and of a mesh there is no wall.
+#[test]
+fn what_falls_beside_rough_ground_falls_freely() {
+    let mut random = Random(72);
+    let rough = |x: f64, y: f64| 0.1 * libm::sin(3.0 * x) * libm::cos(4.0 * y + x) + 0.05 * x;
+    for case in 0..56 {
+        let (_, shape, ..) = shapes()[case % 7].clone();
+        let terrain = if case % 2 == 0 {
+            field(3.0, 60, rough)
+        } else {
+            mesh(&grid(3.0, 20, rough))
+        };
+        let side = if case % 3 == 0 { Vec3::x() } else { -Vec3::y() };
+        let at = side.cross(&Vec3::z()) * random.vector(0.8).x
+            + side * (1.7 + 0.2 * f64::from(case as u32 % 5));
+        let mut one = body(1.0, shape.clone(), Vec3::new(at.x, at.y, 0.0));
+        one.roots[0].rpy = random.vector(3.0);
+        one.roots[0].linear_velocity = side * random.uniform(0.0, 0.1);
+        let mut s = start(over(ground(terrain, Vec3::zeros()), one), 1e-3);
+        let begin = s.state().physical.v[3..6].to_vec();
+        run(&mut s, 2.0, 0.01);
+        let v = &s.state().physical.v;
+        assert_eq!(v[3..5], begin[..2], "{case} {shape:?}");
+        assert!((v[5] - begin[2] + 2.0 * G).abs() < 1e-9, "{case} {shape:?}");
     }
 }
