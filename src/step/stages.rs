@@ -309,8 +309,8 @@ impl Stages {
             self.v[i] = early(*v, *a, h);
             self.moved[i] = -0.5 * h * self.v[i];
         }
-        for (change, a) in self.guess.iter_mut().zip(trend) {
-            *change = 0.5 * h * a;
+        for (dof, change) in self.guess.iter_mut().enumerate() {
+            *change = 0.5 * h * late_acceleration(&self.trend, dof);
         }
         wind(tree, &self.guess, 0.5 * h, &mut self.v);
         advance(tree, &from.q, &self.v, 0.5 * h, &mut self.q);

@@ -63,8 +63,9 @@ impl Stages {
         for (moved, (v1, v2)) in self.moved.iter_mut().zip(first.v.iter().zip(&second.v)) {
             *moved = (1.0 - GAMMA) * v1 + GAMMA * v2;
         }
-        for ((change, v2), v0) in self.guess.iter_mut().zip(&second.v).zip(&from.v) {
-            *change = v2 - v0;
+        // What the second stage changes, as that of a whole step: an impact is over in the first.
+        for (change, (v1, v2)) in self.guess.iter_mut().zip(first.v.iter().zip(&second.v)) {
+            *change = (v2 - v1) / (1.0 - GAMMA);
         }
         wind(ctx.tree, &self.guess, h, &mut self.moved);
         advance(ctx.tree, &from.q, &self.moved, h, &mut attempt.end.q);
