@@ -4,7 +4,7 @@
 //! gone for whoever reads it again. A pipe that the shell has opened, `<(…)` or `| … /dev/stdin`,
 //! begins at once and ends: texts are read from it.
 
-use std::fs::{FileType, metadata};
+use std::fs::{File, FileType, metadata};
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
@@ -52,6 +52,15 @@ pub fn lasting(path: &Path) -> Result<()> {
     kind(path).map_or(Ok(()), |what| Err(no_file(what)))
 }
 
+/// Opens what can be read from any place and as often as one likes.
+///
+/// # Errors
+/// As of [`lasting`]; a file that cannot be opened.
+pub fn open(path: &Path) -> Result<File> {
+    lasting(path)?;
+    File::open(path)
+}
+
 /// What cannot be read at once and to its end, not even once: a folder, a socket, and a pipe by its
 /// name. Where the shell and the system name what a process has opened, it does not wait.
 pub fn waiting(path: &Path) -> Option<&'static str> {
@@ -70,8 +79,19 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
     if let Some(what) = waiting(path) {
         return Err(no_file(what));
     }
+    up_to(File::open(path)?, most)
+}
+
+/// The bytes of a file alone, which may be read again.
+///
+/// # Errors
+/// As of [`open`]; a file that has more than `most` bytes.
+pub fn read_lasting(path: &Path, most: u64) -> Result<Vec<u8>> {
+    up_to(open(path)?, most)
+}
+
+fn up_to(file: File, most: u64) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let file = std::fs::File::open(path)?;
     file.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
         let message = format!("it has more than {most} bytes");

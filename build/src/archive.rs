@@ -240,8 +240,7 @@ type Zip = zip::ZipArchive<std::fs::File>;
 /// [`ArchiveError::Read`], [`ArchiveError::Unpack`]; [`ArchiveError::Other`] for another zip.
 fn open(path: &Path) -> Result<Zip, ArchiveError> {
     // Parts of it are read from their places, some of them again and again.
-    let file = reading::lasting(path).and_then(|()| std::fs::File::open(path));
-    let file = file.map_err(|source| ArchiveError::Read {
+    let file = reading::open(path).map_err(|source| ArchiveError::Read {
         path: path.to_owned(),
         source,
     })?;

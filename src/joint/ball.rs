@@ -1,7 +1,7 @@
 //! A joint that turns freely: `q = quaternion(w, x, y, z)` of the body after the joint's own pose,
 //! `v = ω` in the body's axes.
 
-use super::freedom::{Freedom, Mount, Sweep, winding};
+use super::freedom::{Freedom, Mount, Sweep, wind_turn};
 use crate::spatial::{
     Pose, Vec3, Vec6, add_scaled6, cross_motion, quaternion_exp, quaternion_log,
     quaternion_normalized, quaternion_product, rotation_from_quaternion,
@@ -47,10 +47,7 @@ impl Freedom for Ball {
 
     #[inline]
     fn wind(change: &[f64], h: f64, mean: &mut [f64]) {
-        let winding = winding(change, h, mean);
-        for (mean, winding) in mean.iter_mut().zip(winding.iter()) {
-            *mean -= winding;
-        }
+        wind_turn(change, -h, mean);
     }
 
     #[inline]

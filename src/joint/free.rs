@@ -1,6 +1,6 @@
 //! A floating base: `q = [p_WB(3), quaternion(w, x, y, z)]`, `v = [ω_WB_W(3), ṗ_WB(3)]`.
 
-use super::freedom::{Freedom, Mount, Sweep, winding};
+use super::freedom::{Freedom, Mount, Sweep, wind_turn};
 use crate::spatial::{
     Pose, Vec3, Vec6, angular, linear, quaternion_exp, quaternion_log, quaternion_normalized,
     quaternion_product, rotation_from_quaternion,
@@ -53,10 +53,7 @@ impl Freedom for Free {
 
     #[inline]
     fn wind(change: &[f64], h: f64, mean: &mut [f64]) {
-        let winding = winding(change, h, mean);
-        for (mean, winding) in mean.iter_mut().zip(winding.iter()) {
-            *mean += winding;
-        }
+        wind_turn(change, h, mean);
     }
 
     #[inline]

@@ -91,11 +91,15 @@ pub(super) trait Freedom {
     fn sweep(axis: usize) -> Sweep;
 }
 
-/// `h/12 change × mean` of angular velocities, see [`Freedom::wind`].
+/// Adds `h/12 change × mean` to an angular velocity, see [`Freedom::wind`]; `h` is negative in axes
+/// that turn along.
 #[inline]
-pub(super) fn winding(change: &[f64], h: f64, mean: &[f64]) -> Vec3 {
-    let [change, mean] = [change, mean].map(|w| Vec3::new(w[0], w[1], w[2]));
-    change.cross(&mean) * (h / 12.0)
+pub(super) fn wind_turn(change: &[f64], h: f64, mean: &mut [f64]) {
+    let [change, before] = [change, &*mean].map(|w| Vec3::new(w[0], w[1], w[2]));
+    let winding = change.cross(&before) * (h / 12.0);
+    for (mean, winding) in mean.iter_mut().zip(winding.iter()) {
+        *mean += winding;
+    }
 }
 
 /// `V × S v` of a joint with one column: its own share of `V` vanishes.

@@ -18,7 +18,7 @@
 //! `q* = q₀ ⊕ h/2 (v₀ + h/4 a)` and `v* = v₀ + h/2 a` with the acceleration `a` of the last step.
 //! As `Σ b_i (c_i − 1/2) = 0`, the order stays two. Displacements within a step are linear in that
 //! place: `d₀ = −h/2 (v₀ + h/4 a)` is where it begins, `d₂ = d₀ + (1 − γ) h V₁` where its second
-//! stage does.
+//! stage does. Where an axis of a turn turns, the ways to `q*` and to the end follow it: [`wind`].
 //!
 //! What rolls or sticks has a velocity of zero at the place of contact at each time, and that place
 //! moves within the step. So the velocities of a contact in the stages, along the surface and
@@ -185,9 +185,8 @@ impl Stages {
         if !self.run_stages(ctx, (here, from), [h, accuracy], alike) {
             return false;
         }
-        // Once more from the middle that it has found, as long as that comes nearer. One more time
-        // is not enough where something whirls: what nutates would grow in each step, by a share
-        // of the fourth power of its turn.
+        // Again from the middle that it has found, as long as that comes nearer by half. Solved
+        // again once only, what nutates grows by a share of the fourth power of its turn in a step.
         let mut before = f64::INFINITY;
         loop {
             self.off = self.misplaced(ctx, from, h);

@@ -9,7 +9,6 @@ use super::{collada, gltf, obj, ply};
 use crate::reading;
 use crate::spatial::Vec3;
 use std::ffi::OsStr;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -204,8 +203,7 @@ fn checked(points: Vec<Vec3>) -> Result<Vec<Vec3>, MeshError> {
 
 fn bytes(path: &Path) -> Result<Vec<u8>, MeshError> {
     let io = |error: std::io::Error| MeshError::Io(error.to_string());
-    reading::lasting(path).map_err(io)?;
-    let file = File::open(path).map_err(io)?;
+    let file = reading::open(path).map_err(io)?;
     let size = file.metadata().map_err(io)?.len();
     if size > LARGEST_FILE {
         return Err(MeshError::TooLarge(size));

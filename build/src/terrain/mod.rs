@@ -7,7 +7,6 @@ mod outside;
 mod points;
 mod read;
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use urdf2fmu_core::diagnostic::words::or_meant;
@@ -49,8 +48,7 @@ pub fn shape(
                 error(code, format!("'{}': {message}", file.display()), help)
             };
             // As of heights.
-            let there = reading::lasting(file).and_then(|()| File::open(file));
-            there.map_err(|found| {
+            reading::open(file).map_err(|found| {
                 let message = format!("{found}{}", or_meant(file, &found));
                 wrong("T001", message, read::UNREAD)
             })?;

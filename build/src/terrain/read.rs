@@ -50,7 +50,7 @@ pub(super) fn heights(path: &Path) -> Result<Table, Wrong> {
         message,
         help: UNREAD,
     };
-    let read = reading::lasting(path).and_then(|()| reading::read(path, LARGEST_FILE));
+    let read = reading::read_lasting(path, LARGEST_FILE);
     let bytes = read.map_err(|error| match error.kind() {
         ErrorKind::FileTooLarge => wrong(error.to_string(), "give it with fewer samples"),
         _ => unread(format!("{error}{}", or_meant(path, &error))),

@@ -169,7 +169,7 @@ impl<'f> Sources<'f> {
             lacking: Some(Lacking::File(path.to_owned())),
             ..self.problem(format!("{name} cannot be read: {error}"))
         };
-        let read = reading::lasting(path).and_then(|()| reading::read(path, LARGEST_FILE));
+        let read = reading::read_lasting(path, LARGEST_FILE);
         let bytes = match read {
             Err(error) if error.kind() == ErrorKind::FileTooLarge => {
                 return Err(self.problem(format!("{} is too large", path.display())));

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::model::{LinkId, Motion, RootKind};
+use crate::simulation::Simulation;
 use crate::spatial::RigidInertia;
 use crate::testing::{Builder, Random, inertia};
 
@@ -77,6 +78,16 @@ fn cloud(count: usize, extent: Vec3, seed: u64) -> Model {
     all.expect("some")
 }
 
+/// A simulation of a model and where its bodies begin.
+fn started(model: &Model) -> (Simulation, Kinematics) {
+    let simulation = crate::testing::start(model.clone(), 1e-3);
+    let (tree, state) = (simulation.tree(), &simulation.state().physical);
+    let mut kin = Kinematics::new(tree);
+    kin.update_poses(tree, &state.q);
+    kin.update_velocities(tree, &state.v);
+    (simulation, kin)
+}
+
 /// 500 shapes in a cloud, along each axis and in a plane: each pair that may touch and is nearer
 /// than both go in the time, or nearer than the margin, by the distance of the shapes themselves,
 /// is listed once, by ascending places. A sum of the balls' radii that left out the margin or the
@@ -91,11 +102,8 @@ fn the_search_finds_every_pair_of_500_shapes_that_a_look_at_all_pairs_finds() {
     ] {
         let model = cloud(500, extent, seed);
         model.validate().expect("valid");
-        let simulation = crate::testing::start(model.clone(), 1e-3);
-        let (tree, state) = (simulation.tree(), &simulation.state().physical);
-        let mut kin = Kinematics::new(tree);
-        kin.update_poses(tree, &state.q);
-        kin.update_velocities(tree, &state.v);
+        let (simulation, kin) = started(&model);
+        let tree = simulation.tree();
         let mut pairs = Pairs::new(&model);
         for [h, margin] in [[0.0, 0.0], [0.004, 1e-3], [0.01, 0.0]] {
             pairs.search(tree, &kin, [h, margin]);
@@ -129,11 +137,8 @@ fn the_search_finds_every_pair_of_500_shapes_that_a_look_at_all_pairs_finds() {
 #[test]
 fn pairs_that_touch_are_known_where_they_stand() {
     let model = cloud(100, Vec3::repeat(0.3), 5);
-    let simulation = crate::testing::start(model.clone(), 1e-3);
-    let (tree, state) = (simulation.tree(), &simulation.state().physical);
-    let mut kin = Kinematics::new(tree);
-    kin.update_poses(tree, &state.q);
-    kin.update_velocities(tree, &state.v);
+    let (simulation, mut kin) = started(&model);
+    let tree = simulation.tree();
     let mut pairs = Pairs::new(&model);
     let mut touching = Vec::new();
     let still = ([0.0, 0.0], true);

@@ -280,7 +280,7 @@ impl OnField<'_, '_> {
 fn part_over(field: &Field, shape: &Placed, x: &Vec3) -> f64 {
     let [a, b] = field.within([x.x, x.y]);
     let beside = (x.x - a).abs().max((x.y - b).abs());
-    // What is round has no edge that would be rounded.
+    // A shape without a rounding, a capsule, has to be over the ground.
     if beside > 0.0 {
         (1.0 - beside / shape.solid.rounding()).max(0.0)
     } else {

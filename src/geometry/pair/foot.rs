@@ -122,7 +122,8 @@ pub(super) fn nearest_from(
             n = apart.normalize();
         }
     }
-    // From deep beside the surface the nearest place with its normal may be anywhere.
+    // What is beside the surface and below its tangent planes is in no ground: a place far away may
+    // have a normal that leads there.
     if is_below && !field.is_over(c) {
         return None;
     }

@@ -150,17 +150,14 @@ impl Patch {
     /// is a mesh. That only saves time.
     pub fn find_near(
         &mut self,
-        (a, X_WA): (&Solid, &Pose),
-        (b, X_WB): (&Solid, &Pose),
+        a: (&Solid, &Pose),
+        b: (&Solid, &Pose),
         reach: f64,
         nearby: Option<&mut Nearby>,
     ) -> bool {
-        self.points.clear();
-        self.count = 0;
-        if (X_WA.p - X_WB.p).norm() > a.reach + b.reach + reach {
+        let Some(couple) = self.begin(a, b, reach) else {
             return false;
-        }
-        let couple = Couple::new((a, X_WA), (b, X_WB));
+        };
         let (above, below) = couple.ranked();
         if matches!(below.core, Core::Field(_) | Core::Surface(_)) {
             if !above.solid.is_terrain() {
@@ -174,6 +171,19 @@ impl Patch {
             return self.count > 0;
         }
         self.meet(&couple, [reach; 2])
+    }
+
+    /// Begins with nothing in common; none of what is certainly farther apart than `reach`, m.
+    fn begin<'a>(
+        &mut self,
+        (a, X_WA): (&'a Solid, &Pose),
+        (b, X_WB): (&'a Solid, &Pose),
+        reach: f64,
+    ) -> Option<Couple<'a>> {
+        self.points.clear();
+        self.count = 0;
+        let far = (X_WA.p - X_WB.p).norm() > a.reach + b.reach + reach;
+        (!far).then(|| Couple::new((a, X_WA), (b, X_WB)))
     }
 
     /// Finds what a couple without terrain has in common; see [`Meeting::find_if`] for the reaches.
@@ -204,18 +214,10 @@ impl Patch {
     /// Finds all points of two shapes that are nearer than `reach`, m, however far these points are
     /// from each other; tells whether [`Self::limit`] makes of them what [`Self::find`] finds for
     /// any reach. Not of terrain.
-    pub fn find_whole(
-        &mut self,
-        (a, X_WA): (&Solid, &Pose),
-        (b, X_WB): (&Solid, &Pose),
-        reach: f64,
-    ) -> bool {
-        self.points.clear();
-        self.count = 0;
-        if (X_WA.p - X_WB.p).norm() > a.reach + b.reach + reach {
+    pub fn find_whole(&mut self, a: (&Solid, &Pose), b: (&Solid, &Pose), reach: f64) -> bool {
+        let Some(couple) = self.begin(a, b, reach) else {
             return false;
-        }
-        let couple = Couple::new((a, X_WA), (b, X_WB));
+        };
         self.meet(&couple, [reach, f64::INFINITY])
             && !self.meeting.flush
             && self.points.count() < MOST_POINTS

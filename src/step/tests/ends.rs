@@ -1,6 +1,6 @@
 //! Where terrain ends: what slides or rolls over the end goes on as mechanics says.
 
-use super::terrain::{field, grid, ground, mesh, over, shapes};
+use super::terrain::{field, grid, ground, mesh, over, rough_ground, shapes};
 use super::worlds::body;
 use super::*;
 use std::f64::consts::FRAC_PI_2;
@@ -263,14 +263,9 @@ fn what_stands_on_an_end_that_goes_on_in_part_does_not_fall_through() {
 #[test]
 fn what_falls_beside_rough_ground_falls_freely() {
     let mut random = Random(72);
-    let rough = |x: f64, y: f64| 0.1 * libm::sin(3.0 * x) * libm::cos(4.0 * y + x) + 0.05 * x;
     for case in 0..56 {
         let (_, shape, ..) = shapes()[case % 7].clone();
-        let terrain = if case % 2 == 0 {
-            field(3.0, 60, rough)
-        } else {
-            mesh(&grid(3.0, 20, rough))
-        };
+        let terrain = rough_ground(case);
         let side = if case % 3 == 0 { Vec3::x() } else { -Vec3::y() };
         let at = side.cross(&Vec3::z()) * random.vector(0.8).x
             + side * (1.7 + 0.2 * f64::from(case as u32 % 5));

@@ -375,19 +375,28 @@ fn a_plane_may_be_inclined() {
     }
 }
 
+/// Height of rough ground, m.
+fn rough(x: f64, y: f64) -> f64 {
+    0.1 * libm::sin(3.0 * x) * libm::cos(4.0 * y + x) + 0.05 * x
+}
+
+/// Rough ground of 3 m: heights in even cases, triangles of the same in odd ones.
+pub(super) fn rough_ground(case: usize) -> Shape {
+    if case.is_multiple_of(2) {
+        field(3.0, 60, rough)
+    } else {
+        mesh(&grid(3.0, 20, rough))
+    }
+}
+
 /// Random bodies dropped on rough heights and on the triangles of the same: nothing falls through,
 /// nothing fails, nothing gains energy.
 #[test]
 fn what_falls_on_rough_ground_stays_on_it() {
     let mut random = Random(71);
-    let rough = |x: f64, y: f64| 0.1 * libm::sin(3.0 * x) * libm::cos(4.0 * y + x) + 0.05 * x;
     for case in 0..24 {
         let (_, shape, ..) = shapes()[case % 7].clone();
-        let terrain = if case % 2 == 0 {
-            field(3.0, 60, rough)
-        } else {
-            mesh(&grid(3.0, 20, rough))
-        };
+        let terrain = rough_ground(case);
         let at = random.vector(0.3) + Vec3::z() * 0.7;
         let mut one = body(1.0, shape.clone(), at);
         one.roots[0].rpy = random.vector(3.0);
