@@ -379,6 +379,24 @@ impl Surface {
             }
         }
     }
+
+    /// Whether a line from a place in front of the surface to another one ends behind it: it goes
+    /// through triangles from their front more often than from their back.
+    pub fn is_within(&self, from: &Vec3, to: &Vec3) -> bool {
+        let along = to - from;
+        let mut within = 0_i32;
+        self.each_along(from, &along, |facet, limit| {
+            *limit = limit.min(1.0);
+            let [before, after] = [from, to].map(|x| facet.height(x));
+            if (before > 0.0) != (after > 0.0) {
+                let place = from + along * (before / (before - after));
+                if facet.is_over(&place) {
+                    within += if before > 0.0 { 1 } else { -1 };
+                }
+            }
+        });
+        within > 0
+    }
 }
 
 /// A line from its beginning on, ready for many boxes.

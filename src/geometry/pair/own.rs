@@ -54,7 +54,7 @@ impl OwnPoints {
     }
 
     /// Calls `take` with the points of a shape that are over a triangle, nearer than `reach`, m;
-    /// with whether that is only the middle of an end, and the place that must be over it.
+    /// with whether that is only the middle of an end, and the place that is over it.
     pub(super) fn each_on(
         &mut self,
         shape: &Placed,
@@ -74,7 +74,12 @@ impl OwnPoints {
             let carries =
                 |over: &Vec3| facet.carries_over(over, || slack_of(shape, facet, over, depth));
             let over = carries(&p.over);
-            if over || p.end.as_ref().is_some_and(carries) {
+            let place = if over {
+                Some(&p.over)
+            } else {
+                p.end.as_ref().filter(|end| carries(end))
+            };
+            if let Some(place) = place {
                 let share = if has_shares {
                     shape.solid.shares.share(own, &shape.R.tr_mul(&-n))
                 } else {
@@ -88,7 +93,7 @@ impl OwnPoints {
                         ..halfway
                     },
                     !over,
-                    &p.over,
+                    place,
                 );
             }
         }

@@ -100,9 +100,9 @@ pub(super) fn on_surface(
             return;
         }
         own.each_on(shape, facet, sink.reach, |own, point, beside, over| {
-            let (corner, n) = (point.depth > radius && radius > 0.0, &facet.normal);
-            let beyond = || is_beyond(surface, n, &point, about);
-            if corner && (beyond() || !beside && is_off(surface, facet, over, about)) {
+            let deep = radius > 0.0 && facet.height(over) < 0.0;
+            let within = || surface.is_within(&shape.p, over);
+            if deep && (!within() || !beside && is_off(surface, facet, over, about)) {
                 return;
             }
             let place = OnFacet {
@@ -167,22 +167,6 @@ pub(super) fn on_surface(
 fn is_behind(nearer: &Facet, this: &Facet) -> bool {
     let behind = |corner: &Vec3| nearer.height(corner) <= SEAM;
     nearer.height(&this.middle()) < 0.0 && this.corners.iter().all(behind)
-}
-
-/// Whether a corner that is behind a triangle has left what is behind it on the other side, as
-/// behind a wall: the way from it to the triangle enters the solid first. That way is half as long
-/// on either side of the point between both, which `point` is. The middle of a capsule's end, which
-/// is farther in front by `about`, m, is its corner.
-fn is_beyond(surface: &Surface, n: &Vec3, point: &PatchPoint, about: f64) -> bool {
-    let half = 0.5 * point.depth;
-    let [from, to] = [about - half, half].map(|way| point.x + n * way);
-    surface.is_any_near(&point.x, half, |other| {
-        let [before, after] = [&from, &to].map(|x| other.height(x));
-        before > 0.0 && after < 0.0 && {
-            let place = from + (to - from) * (before / (before - after));
-            other.is_below(&place, 0.0)
-        }
-    })
 }
 
 /// Whether the place on the plane of a triangle of the corner of a core is in front of the surface,

@@ -139,15 +139,26 @@ impl Facet {
     /// Whether a point is over the triangle; beyond hollow edges by up to `slack`, m. Of two even
     /// triangles a point on their edge is over one.
     pub fn is_below(&self, x: &Vec3, slack: f64) -> bool {
-        (0..3).all(|edge| {
-            let inside = self.inside(x, edge);
-            match self.beyond[edge] {
-                Beyond::Hollow => inside >= -slack,
-                Beyond::Seam => inside >= -SEAM,
-                _ if inside == 0.0 => lower(&self.corners[edge], &self.corners[(edge + 1) % 3]),
-                _ => inside > 0.0,
-            }
+        (0..3).all(|edge| match self.beyond[edge] {
+            Beyond::Hollow => self.inside(x, edge) >= -slack,
+            _ => self.is_inside(x, edge),
         })
+    }
+
+    /// Whether a point is over the triangle itself. Of two triangles a point on their edge is over
+    /// one, but where the other one has other corners.
+    pub fn is_over(&self, x: &Vec3) -> bool {
+        (0..3).all(|edge| self.is_inside(x, edge))
+    }
+
+    /// Whether a point is inside of an edge that is not hollow.
+    fn is_inside(&self, x: &Vec3, edge: usize) -> bool {
+        let inside = self.inside(x, edge);
+        match self.beyond[edge] {
+            Beyond::Seam => inside >= -SEAM,
+            _ if inside == 0.0 => lower(&self.corners[edge], &self.corners[(edge + 1) % 3]),
+            _ => inside > 0.0,
+        }
     }
 
     /// Whether a point is over the triangle or no farther than `slack`, m, beside it, beyond hollow
