@@ -2,16 +2,16 @@
 
 mod given;
 mod object;
+mod packing;
+mod request;
 mod texts;
 mod values;
 
-use crate::stage::Request;
-use crate::world::Packages;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use std::path::{Path, PathBuf};
+pub(crate) use packing::Packing;
+use std::path::PathBuf;
 pub(crate) use texts::{Expand, Explain};
-use urdf2fmu_core::model::{ActuatorMode, Arrays, Interface};
-use urdf2fmu_core::settings::{BaseChoice, Compat, FmiVersion, InertiaSource, ObjectSettings};
+use urdf2fmu_core::settings::ObjectSettings;
 use urdf2fmu_drawing::picture::{self, Look, Toward};
 use values::{
     ArrayStyle, InterfaceChoice, density, factor, mass, package, place, rate, seconds, size, speed,
@@ -201,16 +201,8 @@ pub(crate) struct Export {
     /// The FMU to write [default: the URDF's name with .fmu, in this folder]
     #[arg(short, long, value_name = "FILE.fmu")]
     pub(crate) output: Option<PathBuf>,
-    /// Platforms that the FMU runs on, such as `linux64,win64` or `aarch64-linux` [default: all
-    /// that this program carries]
-    #[arg(long = "platform", value_name = "NAMES", value_delimiter = ',')]
-    pub(crate) platforms: Vec<String>,
-    /// Leave out pictures and pages for people, which take two thirds of the time of an export
-    #[arg(long)]
-    pub(crate) no_documentation: bool,
-    /// Put in what the FMU gives in two seconds in which its commands rise, for whoever imports it
-    #[arg(long)]
-    pub(crate) reference_run: bool,
+    #[command(flatten)]
+    pub(crate) packing: Packing,
     #[command(flatten)]
     pub(crate) source: Source,
 }
@@ -227,6 +219,8 @@ pub(crate) struct Info {
     #[arg(long)]
     pub(crate) variables: bool,
     #[command(flatten)]
+    pub(crate) packing: Packing,
+    #[command(flatten)]
     pub(crate) source: Source,
 }
 
@@ -241,6 +235,8 @@ pub(crate) struct Check {
     /// For other programs
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) packing: Packing,
     #[command(flatten)]
     pub(crate) source: Source,
 }
@@ -257,6 +253,8 @@ pub(crate) struct Init {
     /// Where it goes [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) packing: Packing,
     #[command(flatten)]
     pub(crate) source: Source,
 }
@@ -426,66 +424,4 @@ pub(crate) struct View {
 pub(crate) enum Deny {
     /// Findings that are legal but suspicious
     Warnings,
-}
-
-impl Source {
-    pub(crate) fn request(&self, urdf: &Path) -> Request {
-        let base = match (self.fixed_base, self.floating_base) {
-            (true, _) => Some(BaseChoice::Fixed),
-            (_, true) => Some(BaseChoice::Floating),
-            _ => None,
-        };
-        Request {
-            urdf: urdf.to_owned(),
-            config: self.config.clone(),
-            config_folder: self.config_folder.clone(),
-            base,
-            mode: self.mode.map(|mode| match mode {
-                Mode::Velocity => ActuatorMode::Velocity,
-                Mode::Position => ActuatorMode::Position,
-                Mode::Effort => ActuatorMode::Effort,
-                Mode::Pd => ActuatorMode::Pd,
-            }),
-            inertia: self.inertia.map(|inertia| match inertia {
-                Inertia::Urdf => InertiaSource::Urdf,
-                Inertia::Nearest => InertiaSource::Nearest,
-                Inertia::Collision => InertiaSource::Collision,
-                Inertia::Pybullet => InertiaSource::PyBullet,
-            }),
-            compat: self.compat.map(|compat| match compat {
-                Conventions::None => Compat::None,
-                Conventions::Pybullet => Compat::PyBullet,
-            }),
-            sensors: self.sensors.map(|from| matches!(from, Sensors::Urdf)),
-            pushable: false,
-            density: self.density,
-            missing_mass: self.missing_mass,
-            scale: self.scale,
-            flat_names: self
-                .naming
-                .map(|naming| matches!(naming, NamingStyle::Flat)),
-            fmi: self.fmi.map(|fmi| match fmi {
-                Fmi::V2 => FmiVersion::V2,
-                Fmi::V3 => FmiVersion::V3,
-            }),
-            interface: self.interface.map(|interface| match interface {
-                InterfaceChoice::Cs => Interface::Cs,
-                InterfaceChoice::Me => Interface::Me,
-                InterfaceChoice::Both => Interface::Both,
-            }),
-            arrays: self.arrays.map(|arrays| match arrays {
-                ArrayStyle::Vectors => Arrays::Vectors,
-                ArrayStyle::None => Arrays::None,
-                ArrayStyle::All => Arrays::All,
-            }),
-            srdf: self.srdf.clone(),
-            initial_state: self.initial_state.clone(),
-            packages: Packages {
-                paths: self.package_paths.clone(),
-                named: self.packages.clone(),
-            },
-            xacro_arguments: self.xacro_arguments.clone(),
-            objects: self.objects.clone(),
-        }
-    }
 }

@@ -8,20 +8,24 @@ mod shared;
 mod simulate;
 
 pub use shared::{CliError, print_findings};
-use shared::{is_fmu, refuse_ending, refuse_fmu, refuse_options, refuse_other_kinds, temporary};
+use shared::{
+    is_fmu, refuse_ending, refuse_fmu, refuse_given, refuse_options, refuse_other_kinds, temporary,
+};
 
 use crate::cli::{Check, Cli, Command, Deny, Expand, Explain, Export, Info, Init, Picture};
 use crate::diagnostics::{self, Style};
 use crate::importer::description::Description;
 use crate::importer::error::RunError;
 use crate::output::{OutputError, Target, beside, print};
-use crate::stage::{self, Extras, Robot, StageError};
+use crate::stage::{self, Extras, StageError};
 use crate::{archive, info, init, library, listing, ssv, summary, xacro};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::diagnostic::codes;
+use urdf2fmu_core::folder;
+use urdf2fmu_core::pattern::Pattern;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel};
 use urdf2fmu_core::urdf::ReadOptions;
 use urdf2fmu_core::variables;
@@ -60,14 +64,14 @@ fn export(args: &Export) -> Result<(), CliError> {
     let target = Target::new(&output, robot.sources.iter().map(PathBuf::as_path))?;
     refuse_ending(args.output.as_ref(), "--output", ["an FMU", "fmu"])?;
     let about = &robot.settings.fmu;
-    let wanted = args.reference_run || about.reference_run;
+    let wanted = args.packing.reference_run || about.reference_run;
     let folder = wanted.then(temporary).transpose()?;
     let extras = Extras {
         kept: true,
-        documented: !(args.no_documentation || about.undocumented),
+        documented: !(args.packing.no_documentation || about.undocumented),
         reference_run: folder.as_ref().map(TempDir::path),
     };
-    let fmu = stage::fmu(&robot, &args.urdf, &args.platforms, &extras)?;
+    let fmu = stage::fmu(&robot, &args.urdf, &args.packing.platforms, &extras)?;
     target.write(&fmu.bytes)?;
     target.describe(&summary::text(target.named(), &fmu, &robot))?;
     Ok(())
@@ -75,7 +79,8 @@ fn export(args: &Export) -> Result<(), CliError> {
 
 fn show(args: &Info) -> Result<(), CliError> {
     refuse_other_kinds(&args.file)?;
-    refuse_options(&args.file, &args.source)?;
+    let given = [args.source.given(), args.packing.given()].concat();
+    refuse_given(&args.file, given)?;
     let (model, table, platforms, fmi, guid) = if is_fmu(&args.file) {
         let path = args.file.clone();
         let Some(bytes) = archive::read_entry(&path, &format!("resources/{FILE_NAME}"))? else {
@@ -97,7 +102,7 @@ fn show(args: &Info) -> Result<(), CliError> {
         let robot = stage::robot(&args.source.request(&args.file))?;
         print_findings(&robot.diagnostics, Severity::Warning)?;
         // Those that its FMU would get.
-        let platforms = stage::libraries(&robot, &[])?.into_iter();
+        let platforms = stage::libraries(&robot, &args.packing.platforms)?.into_iter();
         let platforms = platforms.map(|l| (l.folder.to_owned(), l.platforms));
         let platforms = platforms.collect();
         let fmi = robot.settings.fmu.fmi;
@@ -155,21 +160,38 @@ fn init(args: &Init) -> Result<(), CliError> {
     if args.source.config.is_some() {
         return Err(CliError::InitFromSettings);
     }
-    let mut request = args.source.request(&args.urdf);
-    // The settings of the robot are its own, whatever is around it.
-    let objects = std::mem::take(&mut request.objects);
-    let robot = stage::robot(&request)?;
-    print_findings(&robot.diagnostics, Severity::Warning)?;
-    let urdf = args.urdf.file_name().unwrap_or(args.urdf.as_os_str());
-    let text = init::text(&init::Subject {
-        model: &robot.model,
-        settings: &robot.settings,
-        diagnostics: &robot.diagnostics,
-        urdf: &urdf.to_string_lossy(),
-        objects: &objects,
-    });
+    let text = init::text(&asked_of_init(args)?);
     target.write(text.as_bytes())?;
     Ok(())
+}
+
+/// What settings are written about.
+fn asked_of_init(args: &Init) -> Result<init::Subject, CliError> {
+    let mut request = args.source.request(&args.urdf);
+    let mut robot = stage::robot(&request)?;
+    print_findings(&robot.diagnostics, Severity::Warning)?;
+    let named: Vec<_> = robot.guests.iter().map(init::named).collect();
+    // The settings of the robot are its own, whatever is around it.
+    let objects = std::mem::take(&mut request.objects);
+    if !objects.is_empty() {
+        robot = stage::robot(&request)?;
+    }
+    let packing = &args.packing;
+    library::known(&packing.platforms).map_err(StageError::from)?;
+    let fmu = &mut robot.settings.fmu;
+    let names = packing.platforms.iter();
+    fmu.platforms
+        .extend(names.map(|name| Pattern::from(name.as_str())));
+    fmu.undocumented |= packing.no_documentation;
+    fmu.reference_run |= packing.reference_run;
+    let folder = args.output.as_deref().map(folder::of);
+    Ok(init::Subject {
+        model: robot.model,
+        settings: robot.settings,
+        diagnostics: robot.diagnostics,
+        command: args.source.without_keys(&args.urdf),
+        objects: init::objects(&objects, &named, folder),
+    })
 }
 
 /// Where a text goes that is made from `input`: standard output unless a file is asked for.
@@ -209,7 +231,13 @@ fn check(args: &Check) -> Result<(), CliError> {
         "an FMU: check takes the URDF; urdf2fmu info shows what is in an FMU",
     )?;
     let findings = match stage::robot(&args.source.request(&args.urdf)) {
-        Ok(Robot { diagnostics, .. }) => diagnostics,
+        Ok(robot) => {
+            let platforms = &args.packing.platforms;
+            if !platforms.is_empty() {
+                stage::libraries(&robot, platforms)?;
+            }
+            robot.diagnostics
+        }
         Err(StageError::Robot(findings)) => findings,
         Err(other) => return Err(other.into()),
     };

@@ -75,8 +75,8 @@ pub fn count(n: usize, thing: &str) -> String {
     if n == 1 {
         return format!("1 {thing}");
     }
-    match thing.split_once(' ') {
-        Some((head, rest)) => format!("{n} {head}s {rest}"),
+    match thing.split_once(" of ") {
+        Some((head, rest)) => format!("{n} {head}s of {rest}"),
         None => format!("{n} {thing}s"),
     }
 }
@@ -486,5 +486,6 @@ mod tests {
     fn count_spells_plurals() {
         assert_eq!(count(1, "link"), "1 link");
         assert_eq!(count(3, "degree of freedom"), "3 degrees of freedom");
+        assert_eq!(count(3, "local variable"), "3 local variables");
     }
 }

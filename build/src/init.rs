@@ -7,44 +7,114 @@
 use crate::output::stem;
 use crate::world::free_name;
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use urdf2fmu_core::assemble::Guest;
 use urdf2fmu_core::diagnostic::Diagnostic;
-use urdf2fmu_core::model::{ActuatorMode, Joint, JointKind, LinkId, Model};
+use urdf2fmu_core::model::{ActuatorMode, Arrays, Interface, Joint, JointKind, LinkId, Model};
 use urdf2fmu_core::settings::keys::{KEYS, Key};
-use urdf2fmu_core::settings::{Compat, InertiaSource, ObjectSettings, ObjectSource, Settings};
+use urdf2fmu_core::settings::{
+    Compat, FmuSettings, InertiaSource, InitialSettings, ObjectSettings, ObjectSource, Settings,
+};
 
 /// What is written about.
-#[derive(Clone, Copy, Debug)]
-pub struct Subject<'r> {
+#[derive(Debug)]
+pub struct Subject {
     /// As assembled.
-    pub model: &'r Model,
+    pub model: Model,
     /// As asked for on the command line.
-    pub settings: &'r Settings,
+    pub settings: Settings,
     /// Of assembly.
-    pub diagnostics: &'r [Diagnostic],
-    /// The URDF's name, for the heading.
-    pub urdf: &'r str,
+    pub diagnostics: Vec<Diagnostic>,
+    /// The URDF's name and what the command line says beside it that has no key, word by word.
+    pub command: Vec<String>,
     /// What is around the robot, as asked for on the command line.
-    pub objects: &'r [ObjectSettings],
+    pub objects: Vec<Object>,
+}
+
+/// Something around the robot.
+#[derive(Debug)]
+pub struct Object {
+    name: String,
+    urdf: PathBuf,
+    initial: InitialSettings,
+}
+
+/// A name, and the file that it is of.
+pub fn named(guest: &Guest) -> (String, Option<PathBuf>) {
+    let file = guest.description.sources.first().cloned();
+    (guest.name.clone(), file)
+}
+
+/// Objects of the command line, with the names that they get there.
+///
+/// - `named`: of the world that these make
+/// - `folder`: that of the settings, from which names of files in it count; none: the current one
+pub fn objects(
+    asked: &[ObjectSettings],
+    named: &[(String, Option<PathBuf>)],
+    folder: Option<&Path>,
+) -> Vec<Object> {
+    let mut taken: Vec<String> = named.iter().map(|(name, _)| name.clone()).collect();
+    let mut named = named.iter().peekable();
+    let mut objects = Vec::new();
+    for object in asked {
+        let ObjectSource::Urdf(path) = &object.source else {
+            continue;
+        };
+        let own = named.next_if(|(_, file)| file.as_ref() == Some(path));
+        // What has become the ground is no part of the world, but needs a name in the settings.
+        let name = own.map(|(name, _)| name.clone()).unwrap_or_else(|| {
+            let name = free_name(&stem(path).to_string_lossy(), &taken);
+            taken.push(name.clone());
+            name
+        });
+        let elsewhere = folder.is_some_and(|folder| folder != Path::new("."));
+        let absolute = elsewhere.then(|| std::path::absolute(path).ok()).flatten();
+        objects.push(Object {
+            name,
+            urdf: absolute.unwrap_or_else(|| path.clone()),
+            initial: object.initial.clone(),
+        });
+    }
+    objects
 }
 
 /// The file.
 pub fn text(subject: &Subject) -> String {
+    let words: Vec<String> = subject.command.iter().map(|word| shell(word)).collect();
+    let (robot_file, more) = words
+        .split_first()
+        .map_or(("", String::new()), |(file, more)| {
+            let more = more.iter().map(|word| format!(" {word}"));
+            (file, more.collect())
+        });
     let mut out = format!(
-        "# Settings of {}, for: urdf2fmu export {} -c THIS_FILE\n\
+        "# Settings of {}, for: urdf2fmu export {robot_file}{more} -c THIS_FILE\n\
          # Lines that start with # show what holds without them. Remove the # and change the value.\n",
-        subject.model.name, subject.urdf
+        subject.model.name,
     );
     robot(&mut out, subject);
     for table in ["solver", "contact", "world", "world.ground"] {
         defaults(&mut out, table, subject.settings.compat);
     }
-    things(&mut out, subject.objects);
+    things(&mut out, &subject.objects);
     initial(&mut out, subject);
-    actuators(&mut out, subject.model);
-    joints(&mut out, subject.model);
-    links(&mut out, subject.model);
-    outputs(&mut out, subject.model);
+    actuators(&mut out, &subject.model);
+    joints(&mut out, &subject.model);
+    links(&mut out, &subject.model);
+    outputs(&mut out, &subject.model);
     out
+}
+
+/// A word of a command line, as a shell takes it for one; a line of a comment has no control
+/// characters, whatever a name has.
+fn shell(word: &str) -> String {
+    let word = word.replace(char::is_control, " ");
+    let plain = |c: char| c.is_alphanumeric() || "_-./:=,+@%\\".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word;
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
 }
 
 /// A TOML string.
@@ -90,29 +160,22 @@ fn defaults(out: &mut String, table: &str, compat: Compat) {
 }
 
 /// Things in the world: those asked for, and how others are written.
-fn things(out: &mut String, objects: &[ObjectSettings]) {
+fn things(out: &mut String, objects: &[Object]) {
     out.push_str("\n# Things in the world, each a [[world.object]] of its own.\n");
     for table in ["world.object[]", "world.object[].shape"] {
         legend(out, table);
     }
-    let mut names: Vec<String> = Vec::new();
     for object in objects {
-        let ObjectSource::Urdf(path) = &object.source else {
-            continue;
-        };
-        let name = free_name(&stem(path).to_string_lossy(), &names);
-        let initial = &object.initial;
-        let mut place = initial.xy.to_vec();
-        place.extend(initial.z);
+        let mut place = object.initial.xy.to_vec();
+        place.extend(object.initial.z);
         _ = writeln!(
             out,
             "[[world.object]]\nname = {}\nurdf = {}\nxyz = {}\nrpy = {}",
-            quoted(&name),
-            quoted(&path.display().to_string()),
+            quoted(&object.name),
+            quoted(&object.urdf.display().to_string()),
             list(&place),
-            list(initial.rpy.as_slice()),
+            list(object.initial.rpy.as_slice()),
         );
-        names.push(name);
     }
     out.push_str("# What they stand on besides the ground, each a [[world.terrain]] of its own.\n");
     legend(out, "world.terrain[]");
@@ -128,7 +191,7 @@ fn choice(out: &mut String, table: &str, name: &str, value: &str, active: bool) 
 }
 
 fn robot(out: &mut String, subject: &Subject) {
-    let (model, settings) = (subject.model, subject.settings);
+    let (model, settings) = (&subject.model, &subject.settings);
     let compat = settings.compat;
     let default = Settings::of(compat);
     out.push_str("\n[robot]\n");
@@ -184,7 +247,28 @@ fn robot(out: &mut String, subject: &Subject) {
         "structured"
     };
     choice(out, "fmu", "naming", &quoted(naming), settings.flat_names);
-    let about = &settings.fmu;
+    packed(out, &settings.fmu);
+}
+
+/// What describes the FMU, and what is in it.
+fn packed(out: &mut String, about: &FmuSettings) {
+    let default = FmuSettings::default();
+    let fmi = about.fmi.major().to_string();
+    choice(out, "fmu", "fmi", &fmi, about.fmi != default.fmi);
+    let interface = match about.interface {
+        Interface::Cs => "cs",
+        Interface::Me => "me",
+        Interface::Both => "both",
+    };
+    let active = about.interface != default.interface;
+    choice(out, "fmu", "interface", &quoted(interface), active);
+    let arrays = match about.arrays {
+        Arrays::Vectors => "vectors",
+        Arrays::None => "none",
+        Arrays::All => "all",
+    };
+    let active = about.arrays != default.arrays;
+    choice(out, "fmu", "arrays", &quoted(arrays), active);
     for (key, text) in [
         ("name", &about.name),
         ("author", &about.author),
@@ -199,21 +283,17 @@ fn robot(out: &mut String, subject: &Subject) {
     if let Some(stop_time) = about.stop_time {
         choice(out, "fmu", "stop_time", &exact(stop_time), true);
     }
-    if about.undocumented {
-        choice(out, "fmu", "documentation", "false", true);
-    }
-    if about.reference_run {
-        choice(out, "fmu", "reference_run", "true", true);
-    }
-    if !about.platforms.is_empty() {
-        let names = about.platforms.iter().map(|name| quoted(&name.text));
-        let list = format!("[{}]", names.collect::<Vec<_>>().join(", "));
-        choice(out, "fmu", "platforms", &list, true);
-    }
+    let documented = (!about.undocumented).to_string();
+    choice(out, "fmu", "documentation", &documented, about.undocumented);
+    let run = about.reference_run;
+    choice(out, "fmu", "reference_run", &run.to_string(), run);
+    let names = about.platforms.iter().map(|name| quoted(&name.text));
+    let names = format!("[{}]", names.collect::<Vec<_>>().join(", "));
+    choice(out, "fmu", "platforms", &names, !about.platforms.is_empty());
 }
 
 fn initial(out: &mut String, subject: &Subject) {
-    let model = subject.model;
+    let model = &subject.model;
     let initial = &model.initial;
     out.push_str("\n[initial]\n");
     let root = &model.roots[0];

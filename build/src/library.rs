@@ -248,6 +248,20 @@ pub fn finding(name: &Pattern, error: &LibraryError) -> Diagnostic {
     }
 }
 
+/// Refuses what is the name of no platform, whatever this program carries.
+///
+/// # Errors
+/// [`LibraryError::Unknown`].
+pub fn known(names: &[String]) -> Result<(), LibraryError> {
+    let mut names = names.iter();
+    match names.find(|name| target::named(name).next().is_none()) {
+        Some(asked) => Err(LibraryError::Unknown {
+            asked: asked.clone(),
+        }),
+        None => Ok(()),
+    }
+}
+
 /// What is wrong with the names of a settings file, whatever this program carries.
 pub fn unknown(names: &[Pattern]) -> Vec<Diagnostic> {
     let wrong = names

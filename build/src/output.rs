@@ -330,8 +330,9 @@ where
 /// Endings that say what is in a file. Whatever else follows the last point of a name belongs to
 /// it.
 pub const ENDINGS: &[&str] = &[
-    "csv", "fmu", "gif", "htm", "html", "jpeg", "jpg", "mat", "pdf", "png", "svg", "toml", "urdf",
-    "xacro", "xlsx", "xml", "zip",
+    "arrow", "bz2", "csv", "feather", "fmu", "gif", "gz", "h5", "hdf5", "htm", "html", "jpeg",
+    "jpg", "json", "mat", "npy", "npz", "ods", "parquet", "pdf", "pickle", "pkl", "png", "svg",
+    "toml", "tsv", "urdf", "xacro", "xls", "xlsx", "xml", "xz", "yaml", "yml", "zip", "zst",
 ];
 
 /// A file's name without the endings that say what is in it: `rover_v1.5` of `rover_v1.5.urdf` and

@@ -183,6 +183,16 @@ fn files_are_not_written_under_the_name_of_another_format() {
         (&["simulate", "--plot", "a.png"][..], "end it with .svg"),
         (&["simulate", "--report", "a.csv"], "end it with .html"),
         (&["simulate", "--output-file", "a.xlsx"], "end it with .csv"),
+        (
+            &["simulate", "--output-file", "a.parquet"],
+            "end it with .csv",
+        ),
+        (&["simulate", "--output-file", "a.npy"], "end it with .csv"),
+        (&["simulate", "--output-file", "a.json"], "end it with .csv"),
+        (
+            &["simulate", "--output-file", "a.csv.gz"],
+            "end it with .csv",
+        ),
         (&["picture", "-o", "a.jpg"], "end it with .png"),
         (&["export", "-o", "a.zip"], "end it with .fmu"),
     ] {

@@ -187,3 +187,170 @@ fn settings_do_not_take_the_place_of_a_file_of_another_kind() {
         assert_eq!(fs::read_to_string(&own).unwrap(), "kept");
     }
 }
+
+/// A robot of two links with a mesh of a package, written in xacro with one argument, and its SRDF.
+fn robot_of_a_package(folder: &Path) {
+    let inertial = "<inertial><mass value='1'/>\
+                    <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>";
+    let solid =
+        "<collision><geometry><mesh filename='package://parts/part.stl'/></geometry></collision>";
+    let ball = "<collision><geometry><sphere radius='0.1'/></geometry></collision>";
+    let body = |name: &str, third: &str| {
+        format!(
+            "<link name='a'>{inertial}{solid}</link><link name='b'>{inertial}{solid}</link>\
+             <link name='c'>{third}{ball}</link>\
+             <joint name='{name}' type='revolute'><parent link='a'/><child link='b'/>\
+             <axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='2' velocity='3'/></joint>\
+             <joint name='free' type='continuous'><parent link='a'/><child link='c'/>\
+             <axis xyz='0 0 1'/></joint>"
+        )
+    };
+    let head = "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'>";
+    for (name, third) in [("r.urdf", inertial), ("light.urdf", "")] {
+        let text = format!("<robot name='r'>{}</robot>", body("j", third));
+        people::write(folder, name, text);
+    }
+    let argument = "<xacro:arg name='joint' default='j'/>";
+    let text = format!("{head}{argument}{}</robot>", body("$(arg joint)", inertial));
+    people::write(folder, "r.urdf.xacro", text);
+    let state =
+        "<group_state name='bent over' group='g'><joint name='j' value='0.5'/></group_state>";
+    let srdf = format!(
+        "<robot name='r'><group name='g'><joint name='j'/></group>{state}\
+         <passive_joint name='free'/><disable_collisions link1='a' link2='c'/></robot>"
+    );
+    people::write(folder, "r.srdf", srdf);
+    people::write(folder, "my parts/part.stl", people::tetrahedron());
+    let cube = "<robot name='cube'><link name='cube'><inertial><mass value='1'/>\
+                <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>\
+                <collision><geometry><box size='1 1 1'/></geometry></collision></link></robot>";
+    people::write(folder, "crate.urdf", cube.to_owned());
+    let plane = "<robot name='plane'><link name='p'><collision><origin xyz='0 0 -5'/><geometry>\
+                 <box size='30 30 10'/></geometry></collision></link></robot>";
+    people::write(folder, "ground.urdf", plane.to_owned());
+}
+
+/// Words of a command line with single quotes and backslashes, as a shell takes them.
+fn words(line: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let (mut quoted, mut escaped) = (false, false);
+    for sign in line.chars() {
+        match sign {
+            '\'' if !escaped => quoted = !quoted,
+            '\\' if !quoted => escaped = true,
+            ' ' if !quoted => words.push(String::new()),
+            _ => {
+                escaped = false;
+                words.last_mut().unwrap().push(sign);
+            }
+        }
+    }
+    words
+}
+
+/// Each option of `export` is in the settings that `init` writes with it, or in the command line in
+/// their first line, which makes the same FMU but for the settings in it.
+#[test]
+fn the_first_line_of_settings_exports_what_the_options_do() {
+    let parts = ["--package", "parts=my parts"];
+    let workspace = tempfile::tempdir().unwrap();
+    let folder = workspace.path().join("r_description");
+    fs::create_dir(&folder).unwrap();
+    robot_of_a_package(&folder);
+    // The same part as a package of a workspace.
+    let shared = workspace.path().join("other/parts");
+    fs::create_dir_all(&shared).unwrap();
+    fs::copy(folder.join("my parts/part.stl"), shared.join("part.stl")).unwrap();
+    let (urdf, xacro) = ("r.urdf", "r.urdf.xacro");
+    let platform = std::env::consts::ARCH;
+    let platform = format!("{platform}-{}", std::env::consts::OS);
+    for (file, options) in [
+        (urdf, &[][..]),
+        (urdf, &["--fixed-base"]),
+        (urdf, &["--floating-base"]),
+        (urdf, &["--mode", "velocity"]),
+        (urdf, &["--mode", "position"]),
+        (urdf, &["--mode", "effort"]),
+        (urdf, &["--mode", "pd"]),
+        (urdf, &["--compat", "pybullet"]),
+        (urdf, &["--inertia", "collision"]),
+        (urdf, &["--inertia", "pybullet"]),
+        (urdf, &["--inertia", "nearest"]),
+        (urdf, &["--sensors", "urdf"]),
+        ("light.urdf", &["--density", "500"]),
+        ("light.urdf", &["--missing-mass", "0.25"]),
+        (urdf, &["--scale", "0.5"]),
+        (urdf, &["--naming", "flat"]),
+        (urdf, &["--fmi", "3"]),
+        (
+            urdf,
+            &["--fmi", "3", "--interface", "both", "--arrays", "all"],
+        ),
+        (urdf, &["--fmi", "3", "--arrays", "none"]),
+        (urdf, &["--interface", "me"]),
+        (urdf, &["--srdf", "r.srdf"]),
+        (urdf, &["--srdf", "r.srdf", "--initial-state", "bent over"]),
+        (xacro, &["joint:=elbow"]),
+        (xacro, &["joint:=it's"]),
+        (
+            urdf,
+            &[
+                "--object",
+                "crate.urdf@2,0",
+                "--object",
+                "crate.urdf@4,0,3,0,0,1",
+            ],
+        ),
+        (
+            urdf,
+            &["--object", "ground.urdf", "--object", "crate.urdf@2,0"],
+        ),
+        (urdf, &["--no-documentation"]),
+        (urdf, &["--reference-run"]),
+        (urdf, &["--platform", &platform]),
+    ] {
+        let options = [options, &parts].concat();
+        the_same(&folder, file, &options);
+    }
+    the_same(&folder, urdf, &["--package-path", "../other"]);
+}
+
+fn the_same(folder: &Path, file: &str, options: &[&str]) {
+    let settings = folder.join("init.toml");
+    let contents = |run: Run, fmu: &str| {
+        assert_eq!(run.code, 0, "{options:?} {run:?}");
+        let mut contents = entries(&folder.join(fmu)).1;
+        contents.retain(|name, _| !name.starts_with("resources/source/"));
+        contents
+    };
+    let quick = ["--no-documentation"];
+    let quick = if options.contains(&quick[0]) {
+        &[][..]
+    } else {
+        &quick
+    };
+    let args = [&["export", file, "-o", "a.fmu"][..], options, quick].concat();
+    let by_options = contents(run_in(folder, &args, &[]), "a.fmu");
+    let run = run_in(folder, &[&["init", file][..], options].concat(), &[]);
+    assert_eq!(run.code, 0, "{options:?} {run:?}");
+    fs::write(&settings, &run.out).unwrap();
+    let first = run.out.lines().next().unwrap();
+    let (_, command) = first.split_once("for: urdf2fmu ").unwrap();
+    let command = command.replace("THIS_FILE", "init.toml");
+    let words = words(&command);
+    let mut args: Vec<&str> = words.iter().map(String::as_str).collect();
+    args.extend(["-o", "b.fmu"]);
+    args.extend(quick);
+    let by_settings = contents(run_in(folder, &args, &[]), "b.fmu");
+    assert!(by_options.keys().eq(by_settings.keys()), "{options:?}");
+    for (name, bytes) in &by_options {
+        // What was assumed is told with its place in the settings.
+        if name != "resources/scene.bin" {
+            assert!(
+                *bytes == by_settings[name],
+                "{options:?} {name}\n{}",
+                run.out
+            );
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! Which options about a robot were given: an FMU has been made already, and takes none of them.
 
 use super::Source;
+use std::path::Path;
 
 impl Source {
     /// Names of the options that were given, as the user writes them.
@@ -54,5 +55,27 @@ impl Source {
         ];
         let given = all.iter().filter(|(_, given)| *given);
         given.map(|(name, _)| *name).collect()
+    }
+
+    /// The words of the command line that exports `urdf`, but for options that have a key of the
+    /// settings.
+    pub(crate) fn without_keys(&self, urdf: &Path) -> Vec<String> {
+        let urdf = urdf.file_name().unwrap_or(urdf.as_os_str());
+        let mut words = vec![urdf.to_string_lossy().into_owned()];
+        words.extend(self.xacro_arguments.iter().cloned());
+        let mut option = |name: &str, value: String| words.extend([name.to_owned(), value]);
+        for folder in &self.package_paths {
+            option("--package-path", folder.display().to_string());
+        }
+        for (name, folder) in &self.packages {
+            option("--package", format!("{name}={}", folder.display()));
+        }
+        if let Some(file) = &self.srdf {
+            option("--srdf", file.display().to_string());
+        }
+        if let Some(name) = &self.initial_state {
+            option("--initial-state", name.clone());
+        }
+        words
     }
 }

@@ -244,7 +244,14 @@ pub(super) fn refuse_other_kinds(path: &Path) -> Result<(), CliError> {
 /// # Errors
 /// [`CliError::MadeAlready`].
 pub(super) fn refuse_options(path: &Path, source: &Source) -> Result<(), CliError> {
-    let options = source.given();
+    refuse_given(path, source.given())
+}
+
+/// The same for options by their names.
+///
+/// # Errors
+/// [`CliError::MadeAlready`].
+pub(super) fn refuse_given(path: &Path, options: Vec<&'static str>) -> Result<(), CliError> {
     if options.is_empty() || !is_fmu(path) {
         return Ok(());
     }

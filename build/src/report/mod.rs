@@ -53,9 +53,7 @@ pub fn make(scene: &Scene, packed: &[u8], table: Table, changed: &BTreeMap<Strin
         for (_, values) in &mut columns {
             thin(values);
         }
-        notes.push(format!(
-            "The run has {rows} rows; to keep the page small it shows each {stride}th."
-        ));
+        notes.push(left_out(rows, stride));
     }
     let happened = events.iter().map(|event| &event.text);
     let said: Vec<&String> = happened.chain(&notes).collect();
@@ -65,6 +63,11 @@ pub fn make(scene: &Scene, packed: &[u8], table: Table, changed: &BTreeMap<Strin
         notes,
         events,
     }
+}
+
+/// What is said of a run that is too long for a page.
+fn left_out(rows: usize, stride: usize) -> String {
+    format!("The run has {rows} rows; to keep the page small it shows one in {stride}.")
 }
 
 /// Says how many contact forces cannot be shown.
@@ -77,5 +80,17 @@ fn forces_without_columns(scene: &Scene, columns: &[(String, Vec<f64>)]) -> Opti
             "The contact forces of {n} {} are not shown: their columns are missing.",
             if n == 1 { "link" } else { "links" }
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ordinal numbers would need an ending for each of 2, 3 and 4.
+    #[test]
+    fn rows_that_are_left_out_are_told_as_a_share() {
+        let told = left_out(700_000, 2);
+        assert!(told.ends_with("it shows one in 2."), "{told}");
     }
 }
