@@ -11,9 +11,11 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
+import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import Any, Union
 
 from ._settings import plain, to_toml
@@ -74,8 +76,32 @@ _OF_A_SHELL = re.compile(r"^(  tip: to pass '.*' as a value, .*|Usage: .*|For mo
 """Advice of the command that is of no use where options are those of a function."""
 
 
+_HEAD = re.compile(r"^(note|warning|error)(?:\[(\w+)\])?: ", re.M)
+"""How each of the things begins that the command says to standard error."""
+
+
+def warn(told: str) -> None:
+    """A warning that points at the line of the user's program, however deep in the package it is known."""
+    # Of Python's own files only that of `with` stands between the package and its user.
+    inside = os.path.join(os.path.dirname(__file__), ""), contextmanager.__code__.co_filename
+    frame: FrameType | None = sys._getframe(1)
+    level = 2
+    while frame is not None and frame.f_code.co_filename.startswith(inside):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(told, RuntimeWarning, stacklevel=level)
+
+
+def _warn_of(said: str) -> None:
+    """What a command that succeeded has warned of."""
+    heads = list(_HEAD.finditer(said))
+    ends = [head.start() for head in heads[1:]] + [len(said)]
+    for head, end in zip(heads, ends):
+        if head[1] == "warning":
+            warn((head[2] + ": " if head[2] else "") + said[head.end():end].strip())
+
+
 def run(*arguments: str | os.PathLike[str], accept: Sequence[int] = (0,)) -> str:
-    """Runs the command and gives its standard output.
+    """Runs the command and gives its standard output; what it warns of is a Python warning.
 
     Raises:
         Error: with what it said, if it ends with another code than those accepted.
@@ -92,6 +118,7 @@ def run(*arguments: str | os.PathLike[str], accept: Sequence[int] = (0,)) -> str
         said = _OF_A_SHELL.sub("", done.stderr) if done.returncode == _USAGE else done.stderr
         text = said.strip() or f"urdf2fmu ended with exit code {done.returncode}"
         raise Error(text, exit_code=done.returncode)
+    _warn_of(done.stderr)
     return done.stdout
 
 
@@ -174,7 +201,7 @@ def export(robot: PathLike, output: PathLike | None = None, *, config: Settings 
             `platform="linux64,win64"`, `package_path=[a, b]`, `object=["crate.urdf@1,0"]`.
 
     Returns:
-        Where the FMU is.
+        Where the FMU is. Each finding that is a warning is a Python warning (`RuntimeWarning`), too.
 
     Raises:
         Error: if the robot or an option is refused; `findings` has the reasons one by one.
@@ -196,9 +223,8 @@ def _without_ends(robot: Path) -> Path:
 
 def _with_findings(error: Error, robot: PathLike, file: list[str], options: Mapping[str, Option]) -> Error:
     """The same error with what `check` finds, for programs."""
-    read = {name: value for name, value in options.items() if name != "platform"}
     try:
-        found = json.loads(run("check", file_name(robot), "--json", *file, *arguments(read), accept=(0, 1)))["findings"]
+        found = json.loads(run("check", file_name(robot), "--json", *file, *arguments(options), accept=(0, 1)))["findings"]
     except (Error, ValueError, KeyError):
         return error
     serious = [finding for finding in found if finding["severity"] == "error"]
@@ -237,10 +263,13 @@ def info(robot: PathLike, *, variables: bool = True, config: Settings | None = N
         config, options: as of `export`.
 
     Raises:
-        Error: if the file cannot be read.
+        Error: if the file cannot be read; `findings` has what is wrong with a robot.
     """
     with settings(config) as file:
         more = ["--variables"] if variables else []
-        text = run("info", file_name(robot), "--json", *more, *file, *arguments(options))
+        try:
+            text = run("info", file_name(robot), "--json", *more, *file, *arguments(options))
+        except Error as error:
+            raise _with_findings(error, robot, file, options) from None
     found: dict[str, Any] = json.loads(text)
     return found

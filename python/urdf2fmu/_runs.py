@@ -16,11 +16,12 @@ import numpy as np
 import numpy.typing as npt
 
 from ._command import Error, Option, PathLike, Settings, arguments, export, file_name, run, settings
-from ._fmu import is_fmu, read_description, read_variables
+from ._fmu import Variable, is_fmu, read_description, read_variables
 from ._values import by_name, numbers, one_each, output_names, start_names
 
 Table = Union[npt.NDArray[Any], Mapping[str, npt.ArrayLike]]
-"""Columns by their names, `time` first: a structured array, a dict of arrays, or a pandas DataFrame."""
+"""Columns by their names, `time` first: a structured array, a dict of arrays, or a pandas DataFrame, whose index may be
+the time if it is called so."""
 
 
 def simulate(robot: PathLike, *, input: Table | PathLike | None = None, start_values: Mapping[str, npt.ArrayLike] | None = None,
@@ -44,38 +45,46 @@ def simulate(robot: PathLike, *, input: Table | PathLike | None = None, start_va
         Error: if the robot, an option or a step is refused.
     """
     with _fmu(robot, config, options) as (fmu, rest), tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
-        more = ["--quiet"]
-        rest.pop("quiet", None)
-        if isinstance(input, (str, os.PathLike)):
-            more += ["--input-file", file_name(input)]
-        elif input is not None:
-            write_table(Path(folder, "in.csv"), input)
-            more += ["--input-file", str(Path(folder, "in.csv"))]
         variables = read_variables(read_description(fmu))
-        causalities = {name: v.causality for name, v in variables.items()}
-        for name, value in by_name("start values", start_values).items():
-            names = start_names(causalities, name)
-            for each, start in zip(names, one_each(name, names, value).tolist()):
-                # Booleans and whole numbers without a point.
-                more += ["--start-value", each, repr(start) if variables[each].kind == "Real" else f"{start:.17g}"]
-        if output is not None and not isinstance(output, Iterable):
-            raise Error(f"output is a name or a list of names, not {output!r}")
-        wanted = [output] if isinstance(output, str) else list(output or ())
-        if output is not None and not wanted:
-            raise Error("output is an empty list; leave it out for all outputs")
-        for name in wanted:
-            for each in output_names(variables, name):
-                more += ["--output-variable", each]
+        more = _asked(Path(folder, "in.csv"), variables, input, start_values, output)
+        rest.pop("quiet", None)
         kept = rest.pop("output_file", None)
         out = Path(folder, "out.csv") if kept is None else Path(file_name(str(kept)))
         with _table_named("the table of inputs", Path(folder, "in.csv")):
-            run("simulate", file_name(fmu), "--output-file", file_name(out), *more, *arguments(rest))
+            run("simulate", file_name(fmu), "--quiet", "--output-file", file_name(out), *more, *arguments(rest))
         kinds = {v.name: v.kind for v in variables.values()}
         return _read_table(out, kinds)
 
 
+def _asked(place: Path, variables: Mapping[str, Variable], input: Table | PathLike | None,
+           start_values: Mapping[str, npt.ArrayLike] | None, output: str | Sequence[str] | None) -> list[str]:
+    """What is asked of a run, as options of the command; a table of inputs is written to `place`."""
+    more: list[str] = []
+    if isinstance(input, (str, os.PathLike)):
+        more += ["--input-file", file_name(input)]
+    elif input is not None:
+        write_table(place, input)
+        more += ["--input-file", str(place)]
+    causalities = {name: v.causality for name, v in variables.items()}
+    for name, value in by_name("start values", start_values).items():
+        names = start_names(causalities, name)
+        for each, start in zip(names, one_each(name, names, value).tolist()):
+            # Booleans and whole numbers without a point.
+            more += ["--start-value", each, repr(start) if variables[each].kind == "Real" else f"{start:.17g}"]
+    if output is not None and not isinstance(output, Iterable):
+        raise Error(f"output is a name or a list of names, not {output!r}")
+    wanted = [output] if isinstance(output, str) else list(output or ())
+    if output is not None and not wanted:
+        raise Error("output is an empty list; leave it out for all outputs")
+    for name in wanted:
+        for each in output_names(variables, name):
+            more += ["--output-variable", each]
+    return more
+
+
 _OF_SIMULATE = ("start_time", "stop_time", "output_interval", "tolerance", "set_input_derivatives", "debug_logging",
-                "input_file", "output_file", "plot", "report", "quiet")
+                "input_file", "output_file", "output_variable", "plot", "report", "quiet")
+"""Options of the command `simulate` that are not of an export."""
 
 
 @contextmanager
@@ -111,7 +120,8 @@ def _table_named(what: str, place: Path) -> Iterator[None]:
 def write_table(place: PathLike, table: Table) -> None:
     """Writes a table as CSV, each number with the digits that read back to it."""
     if hasattr(table, "to_records"):
-        table = table.to_records(index=False)
+        index = getattr(getattr(table, "index", None), "name", None)
+        table = table.to_records(index=index == "time")
     if isinstance(table, Mapping):
         given = {str(name): values for name, values in table.items()}
     elif isinstance(table, np.ndarray) and table.dtype.names:
@@ -166,7 +176,8 @@ class Page:
         return f"<urdf2fmu page, {len(self.html) // 1000} kB>"
 
 
-def show(robot: PathLike, result: Table | None = None, *, height: int = 640, config: Settings | None = None,
+def show(robot: PathLike, result: Table | None = None, *, height: int = 640, input: Table | PathLike | None = None,
+         start_values: Mapping[str, npt.ArrayLike] | None = None, config: Settings | None = None,
          **options: Option) -> Page:
     """A page that plays a run, for notebooks and files.
 
@@ -175,6 +186,7 @@ def show(robot: PathLike, result: Table | None = None, *, height: int = 640, con
         result: what `simulate` gave, or another table with `time` and outputs; without it the robot is simulated, by
             options as of `simulate`.
         height: pixels, in a notebook.
+        input, start_values: of that simulation, as of `simulate`; for a page of `result` there is none.
         config, options: as of `simulate`.
 
     Raises:
@@ -184,7 +196,11 @@ def show(robot: PathLike, result: Table | None = None, *, height: int = 640, con
         page = Path(folder, "run.html")
         if result is None:
             rest.pop("quiet", None)
-            run("simulate", file_name(fmu), "--quiet", "--report", page, *arguments(rest))
+            more = _asked(Path(folder, "in.csv"), read_variables(read_description(fmu)), input, start_values, None)
+            with _table_named("the table of inputs", Path(folder, "in.csv")):
+                run("simulate", file_name(fmu), "--quiet", "--report", page, *more, *arguments(rest))
+        elif input is not None or start_values is not None:
+            raise Error("input and start_values are those of a simulation, and a result is given: leave one of them out")
         else:
             write_table(Path(folder, "run.csv"), result)
             with _table_named("the table of results", Path(folder, "run.csv")):

@@ -6,10 +6,8 @@ import ctypes
 import math
 import tempfile
 import threading
-import warnings
 import weakref
 from collections.abc import Iterator, Mapping
-from fnmatch import fnmatchcase
 from pathlib import Path
 from types import TracebackType
 from types import MappingProxyType
@@ -19,9 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _functions
-from ._command import Error, Option, PathLike, Settings, export
+from ._command import Error, Option, PathLike, Settings, export, warn
 from ._fmu import Fmu, Variable, is_fmu, load
-from ._values import by_name, meant, number, one_each, start_names, text
+from ._values import by_name, matches, meant, number, one_each, start_names, text
 
 _CAUSALITIES = "input", "output", "parameter", "calculatedParameter", "structuralParameter", "local", "independent"
 _WARNING = 1
@@ -146,7 +144,7 @@ class Simulation:
         if failed:
             raise Error(failed)
         for told in warned:
-            warnings.warn(told, RuntimeWarning, stacklevel=3)
+            warn(told)
 
     @property
     def time(self) -> float:
@@ -162,7 +160,7 @@ class Simulation:
         """Names of variables, in the order of the FMU.
 
         Args:
-            pattern: a glob: `*` any characters, `?` one.
+            pattern: a glob: `*` any characters, `?` one; brackets are those of names.
             causality: "input", "output", "parameter" or another of FMI's; without it all.
 
         Raises:
@@ -172,7 +170,7 @@ class Simulation:
             raise Error(f"there is no causality {causality!r}; there are {', '.join(_CAUSALITIES)}")
         pattern = text("a pattern", pattern)
         return [v.name for v in self._fmu.variables.values()
-                if fnmatchcase(v.name, pattern) and causality in (None, v.causality)]
+                if matches(pattern, v.name) and causality in (None, v.causality)]
 
     def __contains__(self, name: object) -> bool:
         """Whether a name, stem or glob means something."""

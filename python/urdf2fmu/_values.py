@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import functools
 import re
 from collections.abc import Collection, Mapping
-from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
@@ -74,6 +74,25 @@ def text(what: str, value: Any) -> str:
     return value
 
 
+def is_glob(name: str) -> bool:
+    """Whether it is more than a plain name."""
+    return "*" in name or "?" in name
+
+
+def matches(glob: str, name: str) -> bool:
+    """Whether a glob means a name, by the rule of the command: `*` any characters, `?` one, and all others themselves.
+
+    Brackets are parts of names, as in `sensor.lidar.ray[1,2]`; those of Python's `fnmatch` would be sets of letters.
+    """
+    return _expression(glob).fullmatch(name) is not None
+
+
+@functools.lru_cache(maxsize=256)
+def _expression(glob: str) -> re.Pattern[str]:
+    signs = {"*": ".*", "?": "."}
+    return re.compile("".join(signs.get(sign) or re.escape(sign) for sign in glob), re.S)
+
+
 def meant(variables: Collection[str], name: str) -> list[str]:
     """Variables that a name means: itself, those of a vector by their stem, or all that match a glob.
 
@@ -89,7 +108,7 @@ def meant(variables: Collection[str], name: str) -> list[str]:
     # With a number each, or with row and column.
     element = re.compile(re.escape(name) + r"\[\d+(,\d+)*\]")
     numbered = [n for n in variables if element.fullmatch(n)]
-    found = numbered or [n for n in variables if fnmatchcase(n, name)]
+    found = numbered or [n for n in variables if matches(name, n)]
     if not found:
         near = difflib.get_close_matches(name, variables, 3, 0.5)
         advice = " (did you mean " + " or ".join(f"'{n}'" for n in near) + "?)" if near else ""
@@ -110,7 +129,7 @@ def start_names(causalities: Mapping[str, str], name: str) -> list[str]:
     Raises:
         Error: if there is none, with the nearest names.
     """
-    glob = any(sign in text("a variable's name", name) for sign in "*?[") and name not in causalities
+    glob = is_glob(text("a variable's name", name))
     settable = [known for known, causality in causalities.items() if causality in _SETTABLE]
     return meant(settable if glob else causalities, name)
 
