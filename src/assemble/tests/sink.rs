@@ -109,3 +109,37 @@ fn a_ball_starts_as_deep_as_its_spring_carries_it_which_is_not_called_deep() {
         }
     }
 }
+
+/// In a centrifuge or on another star a ball is in balance deeper than a spring that is made for
+/// its weight on Earth is deep: by the law `K δ (1 + (δ/δ₁)³)`, documented in docs/design.md, with
+/// `K δ₁ 9/16` the weight on Earth, at `δ₁ x` with `x (1 + x³) = 9/16 g/9.81`.
+#[test]
+fn a_ball_in_balance_is_not_called_deep_whatever_gravity() {
+    let ball = robot(body("ball", 2.0));
+    for gravity in [9.81, 34.0, 40.0, 150.0, 1e3, 1e4] {
+        let settings = format!("world.gravity = [0, 0, -{gravity:?}]");
+        let z = model(&ball, &settings).roots[0].position.z;
+        let (depth, law) = (0.1 - z, |x: f64| x * (1.0 + x * x * x));
+        let expected = 0.5625 * gravity / 9.81;
+        let found = law(depth / 1e-4);
+        assert!(
+            (found - expected).abs() < 1e-6 * expected,
+            "{gravity}: {found} {expected}"
+        );
+        let told = |depth: f64| {
+            let z = 0.1 - depth;
+            let built = assembled(&ball, &format!("{settings}\ninitial.xyz = [0, 0, {z:?}]"));
+            let told = has(&built, "A112");
+            let mut simulation = Simulation::new(Arc::new(built.model));
+            simulation.initialize(0.0).expect("a legal start");
+            assert_eq!(
+                told,
+                simulation.deepest_in_ground().is_some(),
+                "{gravity}: {depth}"
+            );
+            told
+        };
+        assert!(!told(depth), "{gravity}");
+        assert!(told(3.0 * depth), "{gravity}");
+    }
+}
