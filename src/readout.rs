@@ -18,7 +18,7 @@ mod touch;
 use crate::closure::{Rows, Schur};
 use crate::continuous::{Derivatives, States};
 use crate::dynamics::energy;
-use crate::force::NamedPairs;
+use crate::force::{self, NamedPairs};
 use crate::kinematics::forward;
 use crate::model::{JointId, Model, RootId};
 use crate::sensor::Sensors;
@@ -333,13 +333,15 @@ impl Readout {
         *self.rpy[root.index()].get_or_insert_with(|| rpy_from_rotation(R))
     }
 
-    /// Kinetic and potential energy.
+    /// Kinetic and potential energy, the latter with what springs hold: it is that of all forces
+    /// that have a potential by what the model says, and not by how contacts and limits are solved.
     fn energies(&mut self, ctx: &Context, state: &State) -> [f64; 2] {
         let known = self.at(ctx, state, Level::Kinematics);
         let kin = &known.point.kin;
         *known.energies.get_or_insert_with(|| {
             let kinetic = energy::kinetic(ctx.tree, kin, &state.physical.v);
-            [kinetic, energy::potential(ctx.tree, kin)]
+            let springs = force::held_by_springs(ctx.tree, kin);
+            [kinetic, energy::potential(ctx.tree, kin) + springs]
         })
     }
 

@@ -407,12 +407,12 @@ impl Table<'_> {
             (
                 "kinetic",
                 OutputSlot::EnergyKinetic,
-                "Kinetic energy of the robot",
+                "Kinetic energy of all that forces move",
             ),
             (
                 "potential",
                 OutputSlot::EnergyPotential,
-                "Potential energy of the robot in gravity, 0 at world height 0",
+                "Potential energy of all that forces move in gravity, 0 at the world's origin, and of springs",
             ),
         ];
         for (name, slot, about) in energies {

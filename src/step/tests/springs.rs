@@ -189,3 +189,34 @@ fn a_servo_beside_a_spring_takes_no_energy_from_what_swings_on_it() {
         );
     }
 }
+
+/// A ball of 1 kg hangs 0.4 m below its place without force on a spring of 50 N/m, or beside it:
+/// potential energy is `m g z + k (L − L₀)²/2`, by the law of Hooke, and while it swings the sum
+/// with the kinetic one stays.
+#[test]
+fn potential_energy_counts_what_springs_hold() {
+    for at in [[0.0, -1.4], [0.0, -0.7], [1.5, -0.5]] {
+        let at = Vec3::new(at[0], 0.0, at[1]);
+        let mut model = world([ball(at)]);
+        model
+            .springs
+            .push(spring([Some(LinkId(0)), None], [50.0, 0.0]));
+        let mut s = start(model, 1e-6);
+        let potential = s.output(OutputSlot::EnergyPotential);
+        let stretch = at.norm() - 1.0;
+        let expected = 9.81 * at.z + 25.0 * stretch * stretch;
+        assert!(
+            (potential - expected).abs() < 1e-12,
+            "{at:?}: {potential} {expected}"
+        );
+        for _ in 0..100 {
+            let now = s.time();
+            run(&mut s, now + 0.01, 0.01);
+            let whole = s.output(OutputSlot::EnergyKinetic) + s.output(OutputSlot::EnergyPotential);
+            assert!(
+                (whole - expected).abs() < 1e-3,
+                "{at:?}: {whole} {expected}"
+            );
+        }
+    }
+}
