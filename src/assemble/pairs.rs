@@ -60,17 +60,30 @@ pub(super) fn select(model: &mut Model, pairs: &[PairSettings], findings: &mut F
 }
 
 /// What a name means.
-struct Meaning<'m> {
-    name: &'m str,
+pub(super) struct Meaning<'m> {
+    pub(super) name: &'m str,
     /// In a sentence.
-    what: &'static str,
-    /// Those with a shape.
-    links: Vec<Option<LinkId>>,
+    pub(super) what: &'static str,
+    /// Those with a shape; none for the ground.
+    pub(super) links: Vec<Option<LinkId>>,
     /// Whether a glob without a dot may mean it.
     is_own: bool,
 }
 
+/// A single link, in a sentence.
+const LINK: &str = "a link";
+
 impl Meaning<'_> {
+    /// Whether it is a single link.
+    pub(super) fn is_link(&self) -> bool {
+        self.what == LINK
+    }
+
+    /// Whether it is a single link of the robot itself.
+    pub(super) fn is_own_link(&self) -> bool {
+        self.is_link() && self.is_own
+    }
+
     fn is_meant(&self, pattern: &Pattern) -> bool {
         if pattern.is_glob() {
             self.name != GROUND
@@ -91,13 +104,13 @@ pub(super) fn what(kind: RootKind) -> &'static str {
 }
 
 /// Every name that a side may have.
-fn meanings(model: &Model) -> Vec<Meaning<'_>> {
+pub(super) fn meanings(model: &Model) -> Vec<Meaning<'_>> {
     let shaped: BTreeSet<LinkId> = model.colliders.iter().map(|c| c.link).collect();
     let links = || (0..).map(LinkId).zip(&model.links);
     let mut meanings: Vec<_> = links()
         .map(|(id, link)| Meaning {
             name: &link.name,
-            what: "a link",
+            what: LINK,
             links: shaped
                 .contains(&id)
                 .then_some(Some(id))
@@ -127,6 +140,14 @@ fn meanings(model: &Model) -> Vec<Meaning<'_>> {
     meanings
 }
 
+/// What is said of a pattern that means nothing, and what helps.
+pub(super) fn unknown(meanings: &[Meaning], pattern: &Pattern) -> (String, String) {
+    let text = &pattern.text;
+    let nearest = likeliest(text, meanings.iter().map(|meaning| meaning.name));
+    let help = pattern.help(nearest.map(|name| format!("the nearest is '{name}'")));
+    (format!("no link or object matches '{text}'"), help)
+}
+
 /// The links of a side; none after an error.
 fn side(meanings: &[Meaning], patterns: &[Pattern], findings: &mut Findings) -> Option<Side> {
     let mut side = Side::new();
@@ -141,10 +162,8 @@ fn side(meanings: &[Meaning], patterns: &[Pattern], findings: &mut Findings) -> 
         let touching: Vec<&&Meaning> = meant.iter().filter(|m| !m.links.is_empty()).collect();
         match (&meant[..], &touching[..]) {
             ([], _) => {
-                let names = meanings.iter().map(|meaning| meaning.name);
-                let nearest = likeliest(text, names);
-                let help = pattern.help(nearest.map(|name| format!("the nearest is '{name}'")));
-                error("A101", format!("no link or object matches '{text}'"), &help);
+                let (message, help) = unknown(meanings, pattern);
+                error("A101", message, &help);
             }
             (_, [one, other, ..]) if !pattern.is_glob() => {
                 let message = format!("'{text}' means {} and {}", one.what, other.what);

@@ -1,12 +1,15 @@
-//! Which links of a robot touch each other.
+//! Which links of a robot touch each other, and which of them do not touch what is around it.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::findings::Findings;
 use super::initial::poses;
+use super::pairs::{self, Meaning};
 use crate::geometry::pair::Patch;
 use crate::model::{LinkId, Model};
+use crate::pattern::Pattern;
 use crate::settings::Settings;
+use crate::urdf::Description;
 use std::collections::BTreeSet;
 
 /// Overlap before anything moves that is worth a warning, m. Links of one robot then do not touch
@@ -65,6 +68,107 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
     }
     model.apart.extend(drawn.into_iter().map(|(pair, _)| pair));
     model.apart.sort_unstable();
+}
+
+/// What `[[ignore_contact]]` of a robot in a world says about the robot alone: entries that name
+/// nothing else, and of others their links of the robot, if these are pairs that may touch.
+pub(super) fn own(settings: &Settings, description: &Description) -> Vec<Vec<Pattern>> {
+    let names = || description.links.iter().map(|link| &link.name);
+    let of_robot = |pattern: &&Pattern| names().any(|name| pattern.matches(name));
+    let entries = settings.ignored_contacts.iter();
+    let own = entries.map(|patterns| {
+        let own: Vec<Pattern> = patterns.iter().filter(of_robot).cloned().collect();
+        let meant = |name: &&String| own.iter().any(|pattern| pattern.matches(name));
+        let pairs = settings.self_collision && names().filter(meant).nth(1).is_some();
+        (own.len() == patterns.len() || pairs).then_some(own)
+    });
+    own.flatten().collect()
+}
+
+/// Keeps links apart that `[[ignore_contact]]` names with what is around the robot: links of others
+/// as `cup.handle`, all of one as `cup`. A glob without a dot means links of the robot alone, as
+/// where there is no other.
+pub(super) fn across(model: &mut Model, settings: &Settings, findings: &mut Findings) {
+    let meanings = pairs::meanings(model);
+    let mut apart: BTreeSet<[LinkId; 2]> = model.apart.iter().copied().collect();
+    for patterns in &settings.ignored_contacts {
+        let own = |m: &&Meaning| m.is_own_link();
+        let of_robot = |pattern: &Pattern| {
+            let mut own = meanings.iter().filter(own);
+            own.any(|m| pattern.matches(m.name)) && named(&meanings, pattern).len() < 2
+        };
+        if patterns.iter().all(of_robot) {
+            continue;
+        }
+        let mut links = BTreeSet::new();
+        for pattern in patterns {
+            links.extend(meant(&meanings, pattern, findings));
+        }
+        let pairs: Vec<[LinkId; 2]> = links
+            .iter()
+            .flat_map(|&a| links.range(a..).skip(1).map(move |&b| [a, b]))
+            .collect();
+        let root = |link: LinkId| model.root_of(model.links[link.index()].body);
+        let touch = |[a, b]: &[LinkId; 2]| {
+            root(*a) != root(*b) || model.roots[root(*a).index()].self_collision
+        };
+        if !pairs.iter().any(touch) && !findings.has_errors() {
+            let place = patterns.first().and_then(|pattern| pattern.place.clone());
+            let message =
+                "[[ignore_contact]] changes nothing: no two of these links touch each other";
+            let help = "name links of two different robots or objects";
+            findings.warning("A144", place, message.to_owned(), help);
+        }
+        apart.extend(pairs);
+    }
+    model.apart = apart.into_iter().collect();
+}
+
+/// What a plain name means.
+fn named<'m>(meanings: &'m [Meaning<'m>], pattern: &Pattern) -> Vec<&'m Meaning<'m>> {
+    let named = meanings.iter().filter(|m| pattern.text == m.name);
+    named.collect()
+}
+
+/// Links with a shape that a pattern means, in a world; none after an error.
+fn meant(meanings: &[Meaning], pattern: &Pattern, findings: &mut Findings) -> Vec<LinkId> {
+    let found: Vec<&Meaning> = if pattern.is_glob() {
+        let others = pattern.text.contains('.');
+        let links = meanings
+            .iter()
+            .filter(|m| m.is_own_link() || others && m.is_link());
+        links.filter(|m| pattern.matches(m.name)).collect()
+    } else {
+        named(meanings, pattern)
+    };
+    let place = pattern.place.clone();
+    let text = &pattern.text;
+    let links: Vec<Option<LinkId>> = found.iter().flat_map(|m| m.links.clone()).collect();
+    match (&found[..], &links[..]) {
+        ([], _) => {
+            let (message, help) = pairs::unknown(meanings, pattern);
+            findings.error("A101", place, message, &help);
+            Vec::new()
+        }
+        ([one, other, ..], _) if !pattern.is_glob() => {
+            let message = format!("'{text}' means {} and {}", one.what, other.what);
+            findings.error("A102", place, message, "rename one of them");
+            Vec::new()
+        }
+        (_, [None]) => {
+            let message =
+                "the ground is no link, and what is to fall through it needs none".to_owned();
+            let help = "set [world] ground = { type = \"none\" }";
+            findings.error("A102", place, message, help);
+            Vec::new()
+        }
+        (_, []) => {
+            let message = format!("'{text}' has no collision shape that can touch anything");
+            findings.error("A102", place, message, "choose another one");
+            Vec::new()
+        }
+        _ => links.into_iter().flatten().collect(),
+    }
 }
 
 /// Links whose shapes may touch and overlap at the start by more than [`DRAWN_TOGETHER`], and by

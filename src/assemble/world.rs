@@ -10,7 +10,7 @@ use super::findings::{Findings, first_of_many};
 use super::guests::{called, of_guest, told};
 use super::terrain::{self, has_terrain};
 use super::touch::overlaps;
-use super::{exchange, idle, loops, outputs, pairs};
+use super::{exchange, idle, loops, outputs, pairs, touch};
 use crate::diagnostic::{Diagnostic, Place, Severity};
 use crate::geometry::Shape;
 use crate::model::{Ground, Interface, JointKind, Model, RootKind};
@@ -69,12 +69,13 @@ fn joined(
     settings: &Settings,
     guests: &[Guest],
 ) -> Result<Assembled, Vec<Diagnostic>> {
-    // Pairs, loops and springs name what is around the robot, too.
+    // Pairs, loops, springs and what does not touch name what is around the robot, too.
     let mut alone = Settings {
         pairs: Vec::new(),
         loops: Vec::new(),
         springs: Vec::new(),
         closure_outputs: [Vec::new(), Vec::new()],
+        ignored_contacts: touch::own(settings, description),
         ..settings.clone()
     };
     // So is what can be exchanged.
@@ -142,6 +143,7 @@ fn joined(
         findings.extend(set_down(&mut model, settings, guests));
     }
     let mut of_pairs = Findings::new(description);
+    touch::across(&mut model, settings, &mut of_pairs);
     close(&mut model, settings, guests, !failed, &mut of_pairs);
     pairs::select(&mut model, &settings.pairs, &mut of_pairs);
     model.outputs.interface = settings.fmu.interface;
@@ -466,7 +468,7 @@ fn warnings(model: &Model) -> impl Iterator<Item = Diagnostic> + '_ {
             "links '{a}' and '{b}' overlap by {:.1} mm at the start and will push each other apart",
             1e3 * depth
         );
-        let help = "place them apart, with xyz and rpy";
+        let help = "place them apart, with xyz and rpy, or name both in [[ignore_contact]]";
         finding(Severity::Warning, "A135", None, message, help)
     })
 }

@@ -1,8 +1,10 @@
 //! Which links of one robot touch each other: what the settings and an SRDF say, and links that
 //! overlap before anything moves.
 
+use super::world::surrounded;
 use super::*;
 use crate::assemble::build;
+use crate::model::RootId;
 use crate::settings::Settings;
 use crate::testing::run;
 
@@ -102,4 +104,86 @@ fn links_that_overlap_before_anything_moves_are_named_with_their_depth() {
     assert!(!has(&found, "A136"));
     let alone = PUSHED.replace("self_collision = true", "self_collision = false");
     assert!(!has(&assembled(&slides(0.35), &alone), "A136"));
+}
+
+/// A cube that falls on the cart, and one that begins in it.
+const FALLING: &str = "[[world.object]]\nname = \"cube\"\nshape = { box = [0.1, 0.1, 0.1] }\n\
+     mass = 1\nxyz = [0, 0, 1]\n";
+
+/// What is named with the links of the robot passes through them and lies on the ground after
+/// `√(2 · 0.95/9.81)` = 0.44 s, 5 cm below its middle, and does not push what it begins in. Else it
+/// lies on the chassis, a ball whose top is at 0.3 m.
+#[test]
+fn links_of_a_robot_and_an_object_are_kept_apart_by_their_names() {
+    let height = |more: &str| {
+        let built = surrounded(&format!("{FALLING}{more}"), None).expect("a world");
+        assert!(!has(&built, "A144"), "{more}");
+        let mut simulation = Simulation::new(Arc::new(built.model));
+        simulation.initialize(0.0).expect("a legal start");
+        run(&mut simulation, 0.5, 0.01);
+        let base = OutputSlot::BasePosition(RootId(1), 2);
+        simulation.output(base)
+    };
+    assert!(height("") > 0.2, "{}", height(""));
+    for links in [
+        "\"*\", \"cube\"",
+        "\"cube.*\", \"*\"",
+        "\"cube.cube\", \"*\"",
+    ] {
+        let apart = format!("[[ignore_contact]]\nlinks = [{links}]\n");
+        let z = height(&apart);
+        assert!((z - 0.05).abs() < 1e-4, "{links}: {z}");
+        let inside = FALLING.replace("[0, 0, 1]", "[0, 0, 0.1]");
+        let told = |more: &str| {
+            let built = surrounded(&format!("{inside}{more}"), None).expect("a world");
+            has(&built, "A135")
+        };
+        assert!(told("") && !told(&apart), "{links}");
+    }
+}
+
+/// Nineteen cubes on the ground have too many states for Model Exchange; the advice is to leave out
+/// pairs.
+#[test]
+fn objects_that_do_not_touch_each_other_have_no_states_of_their_pairs() {
+    let cube = |i: usize| {
+        FALLING
+            .replace("\"cube\"", &format!("\"cube{i}\""))
+            .replace("[0, 0, 1]", &format!("[{i}, 2]"))
+    };
+    let cubes: String = (0..19).map(cube).collect();
+    let exchanged = format!("{cubes}[fmu]\ninterface = \"me\"\n");
+    assert!(surrounded(&exchanged, None).is_err());
+    let apart = "[[ignore_contact]]\nlinks = [\"*\", \"cube*.*\"]\n";
+    assert!(surrounded(&format!("{exchanged}{apart}"), None).is_ok());
+}
+
+#[test]
+fn what_cannot_be_kept_apart_in_a_world_is_told() {
+    for (links, code, said) in [
+        ("\"*\", \"cub\"", "A101", "the nearest is 'cube'"),
+        ("\"*\", \"ground\"", "A102", "the ground is no link"),
+        ("\"cube\"", "A144", "no two of these links touch"),
+        (
+            "\"cube\", \"cube.cube\"",
+            "A144",
+            "no two of these links touch",
+        ),
+    ] {
+        let text = format!("{FALLING}[[ignore_contact]]\nlinks = [{links}]\n");
+        let findings = match surrounded(&text, None) {
+            Ok(built) => built.diagnostics,
+            Err(findings) => findings,
+        };
+        let found: Vec<_> = findings.iter().filter(|d| d.code == code).collect();
+        let [found] = found[..] else {
+            panic!("{links}: {:?}", texts(&findings));
+        };
+        let help = found.help.clone().unwrap_or_default();
+        assert!(
+            found.message.contains(said) || help.contains(said),
+            "{found:?}"
+        );
+        assert!(found.place.is_some(), "{found:?}");
+    }
 }

@@ -146,7 +146,7 @@ pub(super) const KEYS: &[Key] = &[
         "ignore_contact[].links",
         Patterns,
         None,
-        "links that do not touch each other",
+        "links that do not touch each other; those of another robot or an object as cup.handle, all of one as cup, and a glob means theirs only if it has a dot",
     ),
     key(
         "group[].name",
