@@ -5,10 +5,11 @@
 
 use super::findings::Findings;
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::model::{Arrays, Combination, Joint, JointKind, Link, Model};
+use crate::model::{Arrays, Combination, Interface, Joint, JointKind, Link, Model};
 use crate::pattern::Pattern;
 use crate::settings::{ActuatorSettings, Compat, FmiVersion, ModeChoice, Settings, WheelFit};
 use crate::urdf::{CollisionDescription, Description};
+use std::collections::BTreeSet;
 
 /// Warns of the tables of joints and links that have a key in vain, each at its place.
 ///
@@ -37,6 +38,7 @@ pub(super) fn report(
         }
     }
     of_ignored_contacts(model, settings, findings);
+    of_self_collision(model, shapes, settings, findings);
     of_velocity_limits(model, settings, findings);
     of_surfaces(model, shapes, settings, findings);
     for entry in &settings.links {
@@ -199,6 +201,25 @@ fn of_ignored_contacts(model: &Model, settings: &Settings, findings: &mut Findin
     }
 }
 
+/// Warns of a robot whose links are to touch each other and are one body.
+fn of_self_collision(
+    model: &Model,
+    shapes: &[Vec<CollisionDescription>],
+    settings: &Settings,
+    findings: &mut Findings,
+) {
+    let links = model.links.iter().zip(shapes);
+    let shaped = links.filter(|(_, shapes)| !shapes.is_empty());
+    let bodies: BTreeSet<_> = shaped.map(|(link, _)| link.body).collect();
+    if settings.self_collision && bodies.len() < 2 {
+        let message = "'self_collision' of [robot] changes nothing: all links with collision \
+                       shapes are one body"
+            .to_owned();
+        let help = "leave it out, or give collision shapes to what moves against them";
+        findings.warning("A144", None, message, help);
+    }
+}
+
 /// What a pattern means.
 fn matching<'m, T>(
     pattern: &'m Pattern,
@@ -208,8 +229,50 @@ fn matching<'m, T>(
     all.iter().filter(move |one| pattern.matches(name(one)))
 }
 
-/// Warnings of keys of the law of contact that nothing in the world has a use for.
+/// Warnings of keys that nothing in the world has a use for: of the law of contact, and of the
+/// solver.
 pub(super) fn of_world(model: &Model, settings: &Settings) -> Vec<Diagnostic> {
+    let cases = of_contact(model, settings).into_iter();
+    let cases = cases.map(|(key, why, help)| ("contact", key, why, help));
+    let solver = of_solver(model, settings).into_iter();
+    let all = cases.chain(solver.map(|(key, why, help)| ("solver", key, why, help)));
+    all.map(|(table, key, why, help)| Diagnostic {
+        severity: Severity::Warning,
+        code: "A144",
+        message: format!("'{key}' of [{table}] changes nothing: {why}"),
+        help: Some(help.to_owned()),
+        place: None,
+    })
+    .collect()
+}
+
+/// A key in vain, why it is, and what helps.
+type Vain = (&'static str, &'static str, &'static str);
+
+/// Keys of the solver where it is the importer who integrates.
+fn of_solver(model: &Model, settings: &Settings) -> Vec<Vain> {
+    if model.outputs.interface != Interface::Me {
+        return Vec::new();
+    }
+    let (set, own) = (&settings.solver, Settings::of(settings.compat).solver);
+    let cases = [
+        (
+            "step_size",
+            set.step_size.to_bits() != own.step_size.to_bits(),
+        ),
+        (
+            "max_steps",
+            set.max_steps.to_bits() != own.max_steps.to_bits(),
+        ),
+    ];
+    let why = "in Model Exchange the importer takes the steps";
+    let help = "leave it out, or set interface = \"both\" or \"cs\" in [fmu]";
+    let idle = cases.into_iter().filter(|(_, idle)| *idle);
+    idle.map(|(key, _)| (key, why, help)).collect()
+}
+
+/// Keys of the law of contact.
+fn of_contact(model: &Model, settings: &Settings) -> Vec<Vain> {
     let (set, own) = (&model.contact, Settings::of(settings.compat).contact);
     let ground = model.world.ground.iter().map(|ground| ground.static_excess);
     let mut excess = model.links.iter().map(|l| l.static_excess).chain(ground);
@@ -220,6 +283,28 @@ pub(super) fn of_world(model: &Model, settings: &Settings) -> Vec<Diagnostic> {
         .collect();
     let each =
         |has: fn(&Link) -> bool| !touching.is_empty() && touching.iter().all(|link| has(link));
+    let lone = model.world.ground.is_none() && model.roots.len() == 1 && !settings.self_collision;
+    if touching.is_empty() || lone {
+        let keys = [
+            (
+                "penetration",
+                set.penetration.to_bits() != own.penetration.to_bits(),
+            ),
+            ("stiffness", set.stiffness.is_some()),
+            (
+                "dissipation",
+                set.dissipation.to_bits() != own.dissipation.to_bits(),
+            ),
+            (
+                "stribeck_velocity",
+                set.stribeck_velocity.to_bits() != own.stribeck_velocity.to_bits(),
+            ),
+        ];
+        let why = "there is nothing that touches anything";
+        let help = "leave it out, or add a ground, collision shapes, objects or self_collision";
+        let given = keys.into_iter().filter(|(_, given)| *given);
+        return given.map(|(key, _)| (key, why, help)).collect();
+    }
     let stiff = each(|link| link.stiffness.is_some());
     // Where coefficients are multiplied, the other side may keep a link from bouncing.
     let own_counts = model.world.combination == Combination::Mean;
@@ -253,14 +338,7 @@ pub(super) fn of_world(model: &Model, settings: &Settings) -> Vec<Diagnostic> {
         ),
     ];
     let idle = cases.into_iter().filter(|(_, idle, ..)| *idle);
-    idle.map(|(key, _, why, help)| Diagnostic {
-        severity: Severity::Warning,
-        code: "A144",
-        message: format!("'{key}' of [contact] changes nothing: {why}"),
-        help: Some(help.to_owned()),
-        place: None,
-    })
-    .collect()
+    idle.map(|(key, _, why, help)| (key, why, help)).collect()
 }
 
 /// Notes that the density of links without mass is of none.

@@ -369,6 +369,15 @@ fn spring(
         findings.error("A140", part.place.clone(), message, "name two other links");
         return None;
     }
+    let pushes = part.stiffness > 0.0 && part.length > 0.0;
+    if pushes && apart(model, &ends) <= 0.0 {
+        let message = format!(
+            "the two points of spring '{name}' are one at the start: it has no direction there, and \
+             no force until something else parts them"
+        );
+        let help = "set origins that are apart, or leave its length out";
+        findings.warning("A140", part.place.clone(), message, help);
+    }
     Some(Spring {
         name,
         ends,

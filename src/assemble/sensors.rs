@@ -106,11 +106,7 @@ fn sensor(model: &Model, settings: &SensorSettings, findings: &mut Findings) -> 
             for (fan, what, angle) in [(columns, "rays", "fov"), (rows, "rows", "vertical_fov")] {
                 tell_of_one_direction(&name, fan, [what, angle], findings);
             }
-            let names: Vec<&str> = model.links.iter().map(|l| l.name.as_str()).collect();
-            let ignored: BTreeSet<usize> = ignored
-                .iter()
-                .flat_map(|pattern| findings.select(pattern, "link", &names, |_| None))
-                .collect();
+            let ignored = ignored_links(model, (&name, index), ignored, findings);
             SensorKind::Ray {
                 directions: directions(columns, rows),
                 columns: columns.count,
@@ -155,8 +151,41 @@ fn sensor(model: &Model, settings: &SensorSettings, findings: &mut Findings) -> 
     sensor.sampling.noise = list(|errors| errors.noise);
     if sensor.sampling.is_noisy() {
         sensor.sampling.seed = settings.seed;
+    } else if settings.seed != 1 {
+        let name = &sensor.name;
+        let message = format!("'seed' of sensor '{name}' changes nothing: its noise is 0");
+        let help = "give it a noise that is not 0, or leave the seed out";
+        findings.warning("A144", settings.on.place.clone(), message, help);
     }
     Some(sensor)
+}
+
+/// Links that the rays of a sensor go through, by what the settings name; tells where all of a name
+/// are of the body that it is on.
+///
+/// - `on`: the sensor's name and link
+fn ignored_links(
+    model: &Model,
+    (name, on): (&str, usize),
+    patterns: &[Pattern],
+    findings: &mut Findings,
+) -> BTreeSet<usize> {
+    let names: Vec<&str> = model.links.iter().map(|l| l.name.as_str()).collect();
+    let mut ignored = BTreeSet::new();
+    for pattern in patterns {
+        let links = findings.select(pattern, "link", &names, |_| None);
+        let own = |link: &usize| model.links[*link].body == model.links[on].body;
+        if !links.is_empty() && links.iter().all(own) {
+            let text = &pattern.text;
+            let message = format!(
+                "'{text}' in 'ignore' of sensor '{name}' changes nothing: rays go through what is \
+                 joined to the sensor's link anyway"
+            );
+            findings.warning("A144", pattern.place.clone(), message, "leave it out");
+        }
+        ignored.extend(links);
+    }
+    ignored
 }
 
 /// Tells of a row of rays all around whose last one is where the first one is, or nearly so: nearer

@@ -100,6 +100,32 @@ fn keys_without_the_one_that_they_belong_to_are_warned_of_at_their_place() {
             None,
             "its 3 rows have one direction",
         ),
+        (
+            "[[sensor]]\ntype = \"ray\"\nlink = \"chassis\"\nignore = [\"camera_link\", \"left_wheel\"]",
+            Some(4),
+            "'camera_link' in 'ignore' of sensor 'chassis'",
+        ),
+        (
+            "[[sensor]]\ntype = \"imu\"\nlink = \"chassis\"\nrate = 10\nseed = 5\n\
+             angular_velocity = { noise = [0, 0, 0] }",
+            Some(3),
+            "'seed' of sensor 'chassis'",
+        ),
+        (
+            "[solver]\nstep_size = 1e-3\n[fmu]\ninterface = \"me\"",
+            None,
+            "'step_size' of [solver]",
+        ),
+        (
+            "[solver]\nmax_steps = 100\n[fmu]\ninterface = \"me\"",
+            None,
+            "the importer takes the steps",
+        ),
+        (
+            "[contact]\nstiffness = 1e5\n[world.ground]\ntype = \"none\"",
+            None,
+            "'stiffness' of [contact] changes nothing: there is nothing that touches",
+        ),
     ] {
         let found = told(settings);
         let [(severity, place, message)] = &found[..] else {
@@ -119,6 +145,11 @@ fn keys_that_have_an_effect_on_anything_are_not() {
         "[contact]\nstribeck_velocity = 0.1\n[link.chassis]\nstatic_friction = 1",
         "[contact]\nstribeck_velocity = 0.1\n[world.ground]\nstatic_friction = 1",
         "[robot]\nself_collision = true\n[[ignore_contact]]\nlinks = [\"*\"]",
+        "[[sensor]]\ntype = \"ray\"\nlink = \"chassis\"\nignore = [\"*\"]",
+        "[[sensor]]\ntype = \"imu\"\nlink = \"chassis\"\nrate = 10\nseed = 5\n\
+         angular_velocity = { noise = [0, 0, 1] }",
+        "[solver]\nstep_size = 1e-3\n[fmu]\ninterface = \"both\"",
+        "[robot]\nself_collision = true\n[contact]\nstiffness = 1e5\n[world.ground]\ntype = \"none\"",
         "[link.\"*\"]\nwheel_fit = \"none\"",
         "[fmu]\narrays = \"all\"\nfmi = 3",
         "[outputs]\ncontact_points = true\ncontacts = [\"chassis\"]\n[world.ground]\ntype = \"none\"",
@@ -252,4 +283,37 @@ fn a_missing_mass_that_only_an_object_needs_is_not_noted() {
     let ball = guest(1, "p", solid("p", &ball(), 1.0));
     assert_eq!(codes(std::slice::from_ref(&ball)), ["A144"]);
     assert_eq!(codes(&[ball, guest(0, "o", lamp)]), ["A138"]);
+}
+
+/// Links that are one body never touch each other.
+#[test]
+fn self_collision_of_one_body_is_told() {
+    let one =
+        robot(body("base", 1.0)).with("base", "j", Fixed, at(0.0, 0.0, 1.0), body("top", 1.0));
+    let two =
+        robot(body("base", 1.0)).with("base", "j", Continuous, at(0.0, 0.0, 1.0), body("top", 1.0));
+    for (robot, idle) in [(one, true), (two, false)] {
+        let found = assembled(&robot, "[robot]\nself_collision = true");
+        assert_eq!(has(&found, "A144"), idle);
+    }
+}
+
+/// A spring that pushes has no direction where both of its points are one.
+#[test]
+fn a_spring_between_points_that_are_one_is_told() {
+    for (keys, idle) in [
+        ("stiffness = 10\nlength = 0.2", true),
+        ("stiffness = 10", false),
+        ("damping = 10", false),
+        (
+            "stiffness = 10\nlength = 0.2\norigins = [[0, 0, 0.1], [0, 0, 0]]",
+            false,
+        ),
+    ] {
+        let text = format!(
+            "[[spring]]\nlinks = [\"chassis\", \"world\"]\n{keys}\n[initial]\nxyz = [0, 0, 0]\n"
+        );
+        let found = assembled(&cart(), &text);
+        assert_eq!(has(&found, "A140"), idle, "{keys}");
+    }
 }
