@@ -63,7 +63,8 @@ pub fn objects(
         };
         let own = named.next_if(|(_, file)| file.as_ref() == Some(path));
         // What has become the ground is no part of the world, but needs a name in the settings.
-        let name = own.map(|(name, _)| name.clone()).unwrap_or_else(|| {
+        let named = own.map(|(name, _)| name.clone());
+        let name = named.unwrap_or_else(|| {
             let name = free_name(&stem(path).to_string_lossy(), &taken);
             taken.push(name.clone());
             name

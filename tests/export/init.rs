@@ -224,10 +224,10 @@ fn robot_of_a_package(folder: &Path) {
     let cube = "<robot name='cube'><link name='cube'><inertial><mass value='1'/>\
                 <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>\
                 <collision><geometry><box size='1 1 1'/></geometry></collision></link></robot>";
-    people::write(folder, "crate.urdf", cube.to_owned());
+    people::write(folder, "crate.urdf", cube);
     let plane = "<robot name='plane'><link name='p'><collision><origin xyz='0 0 -5'/><geometry>\
                  <box size='30 30 10'/></geometry></collision></link></robot>";
-    people::write(folder, "ground.urdf", plane.to_owned());
+    people::write(folder, "ground.urdf", plane);
 }
 
 /// Words of a command line with single quotes and backslashes, as a shell takes them.

@@ -100,6 +100,15 @@ fn keys_without_the_one_that_they_belong_to_are_warned_of_at_their_place() {
             None,
             "its 3 rows have one direction",
         ),
+    ] {
+        warns(settings, line, word);
+    }
+}
+
+/// What the sensor, the importer or the lack of anything to touch makes idle.
+#[test]
+fn keys_of_sensors_solver_and_contacts_without_an_effect_are_warned_of() {
+    for (settings, line, word) in [
         (
             "[[sensor]]\ntype = \"ray\"\nlink = \"chassis\"\nignore = [\"camera_link\", \"left_wheel\"]",
             Some(4),
@@ -127,13 +136,18 @@ fn keys_without_the_one_that_they_belong_to_are_warned_of_at_their_place() {
             "'stiffness' of [contact] changes nothing: there is nothing that touches",
         ),
     ] {
-        let found = told(settings);
-        let [(severity, place, message)] = &found[..] else {
-            panic!("{settings}: {found:?}");
-        };
-        assert_eq!((*severity, *place), (Severity::Warning, line), "{settings}");
-        assert!(message.contains(word), "{settings}: {message}");
+        warns(settings, line, word);
     }
+}
+
+/// One warning at a line, and with some words.
+fn warns(settings: &str, line: Option<usize>, word: &str) {
+    let found = told(settings);
+    let [(severity, place, message)] = &found[..] else {
+        panic!("{settings}: {found:?}");
+    };
+    assert_eq!((*severity, *place), (Severity::Warning, line), "{settings}");
+    assert!(message.contains(word), "{settings}: {message}");
 }
 
 #[test]
