@@ -3,8 +3,8 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::model::{LinkId, RootId};
-use crate::spatial::{Vec3, Vec6};
-use crate::state::{Physical, State};
+use crate::spatial::Vec6;
+use crate::state::State;
 use crate::step::driver::{Stepper, Stop};
 use crate::step::fixed::fixed_count;
 use crate::step::point::Context;
@@ -111,38 +111,20 @@ impl Stepper {
     }
 
     /// Puts driven bases where their velocities, which have changed evenly, lead from the last
-    /// communication point.
-    ///
-    /// With the angular velocity `ω₀ + (ω₁ − ω₀) t/h`, `a = ½ (ω₀ + ω₁) h` and `b = (ω₁ − ω₀) h`
-    /// they turn by `a + (c − 20 a) × (b − a × c/60)/240` with `c = a × b`, but for `h⁷`: the
-    /// Magnus expansion (Blanes, Casas, Oteo and Ros 2009). From one communication point to the
-    /// next inputs may be quite other ones, so that `b` is as large as `a`.
+    /// communication point, whatever steps have led here.
     fn arrive(&self, ctx: &Context, state: &mut State, whole: f64) {
-        let (tree, from) = (ctx.tree, &self.backup);
-        let span = state.time - from.time;
+        let (tree, from) = (ctx.tree, &self.backup.physical);
+        let (span, arrived) = (state.time - self.backup.time, state.time >= whole);
+        tree.carry_driven((&from.q, &from.v), span, &mut state.physical.q);
+        let v = &mut state.physical.v;
         for (body, first, acceleration) in tree.driven() {
-            let root = RootId::from(tree.bodies[body].tree);
-            let start = &from.physical.v[first..first + 6];
+            let start = &from.v[first..first + 6];
             let mut target: Vec6 = std::array::from_fn(|i| start[i] + span * acceleration[i]);
-            if state.time >= whole {
+            if arrived {
                 // To the last digit.
+                let root = RootId::from(tree.bodies[body].tree);
                 target = ctx.inputs.base_velocity(root, span).unwrap_or(target);
             }
-            let mut mean: Vec6 = std::array::from_fn(|i| 0.5 * (start[i] + target[i]));
-            let [before, after] =
-                [start[0..3].as_ref(), &target[0..3]].map(Vec3::from_column_slice);
-            let (a, b) = (span * 0.5 * (before + after), span * (after - before));
-            let c = a.cross(&b);
-            let more = (c - a * 20.0).cross(&(b - a.cross(&c) / 60.0)) / (240.0 * span);
-            for (mean, more) in mean.iter_mut().zip(more.iter()) {
-                *mean += more;
-            }
-            let (place, Physical { q, v, .. }) =
-                (tree.bodies[body].coordinate, &mut state.physical);
-            let before = &from.physical.q[place..];
-            tree.bodies[body]
-                .kind
-                .advance(before, &mean, span, &mut q[place..]);
             v[first..first + 6].copy_from_slice(&target);
         }
     }

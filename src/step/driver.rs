@@ -150,6 +150,12 @@ impl Stepper {
         self.attempt.stay(state);
         let (q, v) = (&mut self.attempt.end.q, &mut self.attempt.end.v);
         ahead.evaluate(ctx.tree, end.min(last), q, v);
+        let from = &state.physical;
+        ctx.tree.carry_driven(
+            (&from.q, &from.v),
+            end.min(last) - begin,
+            &mut self.attempt.end.q,
+        );
         self.close(ctx, 0.0);
         self.attempt.accept(state);
         if end < last {

@@ -143,6 +143,9 @@ impl Stepper {
             (&state.physical, h),
             &mut self.attempt,
         );
+        let from = &state.physical;
+        ctx.tree
+            .carry_driven((&from.q, &from.v), h, &mut self.attempt.end.q);
         self.close(ctx, h)
     }
 }

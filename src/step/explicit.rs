@@ -271,6 +271,8 @@ impl Explicit {
         self.run_stages(ctx, pair, here, from, h, false);
         attempt.begin(state);
         self.finish((ctx.tree, here), pair, (from, h), attempt);
+        ctx.tree
+            .carry_driven((&from.q, &from.v), h, &mut attempt.end.q);
         let gains = |gain: f64| {
             let books = guards::open_books(ctx, here, from, gain);
             let end = (&attempt.end, &self.end);
@@ -342,6 +344,7 @@ impl Explicit {
             .extension((tree, pair), &from.q, &from.v, [start, h], ahead);
         self.finish((tree, here), pair, (from, h), attempt);
         ahead.evaluate(tree, end, &mut attempt.end.q, &mut attempt.end.v);
+        tree.carry_driven((&from.q, &from.v), end - start, &mut attempt.end.q);
     }
 }
 

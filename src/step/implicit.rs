@@ -88,6 +88,8 @@ impl Implicit {
     ) {
         attempt.take_solved(ctx.tree, here, &self.full, h);
         advance(ctx.tree, &from.q, &self.full.v, h, &mut attempt.end.q);
+        ctx.tree
+            .carry_driven((&from.q, &from.v), h, &mut attempt.end.q);
         attempt.add_impulses(&here.terms, &self.full, [h, 1.0]);
         attempt.end_plain_trend(ctx.tree, &from.v, h);
     }
@@ -125,5 +127,6 @@ impl Implicit {
             },
         );
         ahead.evaluate(tree, end, q, v);
+        tree.carry_driven((q0, v0), end - start, q);
     }
 }

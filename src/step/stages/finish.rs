@@ -76,6 +76,8 @@ impl Stages {
             solved: &self.solved,
         };
         coast::go_on(ctx, &here.kin, step, &mut attempt.end);
+        ctx.tree
+            .carry_driven((&from.q, &from.v), h, &mut attempt.end.q);
         attempt.add_impulses(before, first, [eta, 1.0 + SQRT_2]);
         attempt.add_impulses(terms, second, [eta, 1.0]);
         attempt.end_trend(ctx.tree, &from.v, h, (&first.v, eta));
@@ -93,6 +95,8 @@ impl Stages {
         ctx.tree.copy_velocities(&first.v, &mut attempt.end.v);
         terms.remember(&first.solved(), eta, &mut attempt.end.memory);
         advance(ctx.tree, &from.q, &first.v, eta, &mut attempt.end.q);
+        ctx.tree
+            .carry_driven((&from.q, &from.v), eta, &mut attempt.end.q);
         attempt.add_impulses(terms, first, [eta, 1.0]);
         attempt.end_plain_trend(ctx.tree, &from.v, eta);
     }
