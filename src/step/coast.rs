@@ -54,7 +54,8 @@ fn is_rigid(ctx: &Context, index: usize) -> bool {
     let tree = ctx.tree;
     let extent = &tree.trees[index];
     let base = extent.bodies.start;
-    let rigid = extent.free && extent.bodies.len() == 1 && tree.carrier[base].is_some();
+    let alone = extent.bodies.len() == 1 && !extent.tied;
+    let rigid = extent.free && alone && tree.carrier[base].is_some();
     if !ctx.rules.coast || !rigid || tree.world.drag != 0.0 {
         return false;
     }

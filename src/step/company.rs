@@ -98,6 +98,16 @@ impl Company {
         self.join(links.map(|link| link.map_or(rest, |link| self.of_link[link])));
     }
 
+    /// Notes in a try all that springs pull.
+    pub fn join_springs(&mut self, tree: &Tree) {
+        let rest = self.leader.len() - 1;
+        let carrier = |body: usize| tree.carrier[body].unwrap_or(rest);
+        for spring in &tree.springs {
+            let [a, b] = spring.ends.each_ref();
+            self.join([a, b].map(|end| end.body.map_or(rest, carrier)));
+        }
+    }
+
     /// Notes in a try which limits have pushed.
     pub fn join_limits(&mut self, terms: &Terms, solved: &Newton) {
         let rest = self.leader.len() - 1;

@@ -89,9 +89,13 @@ impl Flights {
             let links = ctx.model.links_of(touch.slot);
             company.join_links(links.map(|link| link.map(crate::model::LinkId::index)));
         }
+        company.join_springs(tree);
         company.accept();
         company.ground(tree);
+        // What touches shows in each step, what hangs on springs goes together for good.
         company.separate();
+        company.join_springs(tree);
+        company.accept();
         for kept in (0..tree.kept.len()).filter(|kept| company.flies(*kept)) {
             if self.list.is_empty() {
                 pose(kin, tree, &state.physical);

@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::closure::{End, TreeSpring};
 use super::kept::{Kept, Space};
 use super::parts::{Tree, TreeBody};
 use crate::joint::Kind;
@@ -82,14 +83,17 @@ impl Tree {
             && self.dof.iter().filter(|d| **d == dof).count() == 1
     }
 
-    /// Whether something holds what moves with a body otherwise: a spring, or inputs.
+    /// Whether something holds what moves with a body otherwise: a spring to another part of its
+    /// own tree, or inputs. Other trees pull by springs as they push by contacts.
     fn is_held(&self, body: usize) -> bool {
-        let moves = |end: Option<usize>| end.is_some_and(|end| self.moves_with(end, body));
-        self.is_driven(body)
-            || self
-                .springs
-                .iter()
-                .any(|spring| moves(spring.ends[0].body) != moves(spring.ends[1].body))
+        let tree = self.bodies[body].tree;
+        let pulls = |spring: &TreeSpring| {
+            let moves = |end: &End| end.body.is_some_and(|end| self.moves_with(end, body));
+            let own = |end: &End| end.body.is_some_and(|end| self.bodies[end].tree == tree);
+            let [a, b] = &spring.ends;
+            moves(a) != moves(b) && own(a) && own(b)
+        };
+        self.is_driven(body) || self.springs.iter().any(pulls)
     }
 
     /// Whether a body is one of those that move with the last one of a chain.
