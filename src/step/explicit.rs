@@ -240,7 +240,8 @@ impl Explicit {
 
     /// Tries a step of `h` seconds, a fixed length, into `attempt` where nothing stiff acts,
     /// nothing is met and no energy is made beyond a `gain`, where one is given, as a share of
-    /// kinetic energy and weight times reach; tells whether it may be accepted.
+    /// kinetic energy and weight times reach; tells whether it may be accepted, or takes as much
+    /// from what keeps its energy: it errs by that, and a shorter one may do.
     pub fn attempt_fixed(
         &mut self,
         ctx: &Context,
@@ -248,22 +249,22 @@ impl Explicit {
         state: &State,
         (h, gain): (f64, Option<f64>),
         attempt: &mut Attempt,
-    ) -> bool {
+    ) -> Option<bool> {
         let from = &state.physical;
         if !(ctx.rules.explicit && nothing_stiff(ctx, here)) {
-            return false;
+            return None;
         }
         here.complete(ctx, from);
         let rates = self.search.rates(ctx.tree, here, &from.v);
         if !(is_free(ctx, &rates, here, &from.v, h) && h * rates.damped < FADED) {
-            return false;
+            return None;
         }
         self.integrator.restart();
         // The short pair takes y⁴/24 of the amplitude of a spring in a step of the angle y, and of
-        // what whirls on it.
+        // what whirls on it or on a loop, or turns fast.
         let springs = |term: &JointTerm| matches!(term.drive, Drive::Pd { .. });
         let sprung = !here.terms.springs.is_empty() || here.terms.joints.iter().any(springs);
-        let pair = if sprung {
+        let pair = if sprung || gain.is_some() {
             &DORMAND_PRINCE
         } else {
             &BOGACKI_SHAMPINE
@@ -273,13 +274,13 @@ impl Explicit {
         self.finish((ctx.tree, here), pair, (from, h), attempt);
         ctx.tree
             .carry_driven((&from.q, &from.v), h, &mut attempt.end.q);
-        let gains = |gain: f64| {
+        let made = gain.map_or(0.0, |gain| {
             let books = guards::open_books(ctx, here, from, gain);
             let end = (&attempt.end, &self.end);
-            guards::gains_explicitly(ctx, &books, here, (from, h), end)
-        };
-        let sound = attempt.end.is_finite() && !gain.is_some_and(gains);
-        sound && self.stays_free(ctx, here, from, h)
+            guards::gain_explicitly(ctx, &books, here, (from, h), end)
+        });
+        let sound = attempt.end.is_finite() && made <= 1.0 && self.stays_free(ctx, here, from, h);
+        sound.then(|| made >= -1.0 || !guards::is_kept(ctx, &here.terms))
     }
 
     /// Whether the step just tried has stayed within all limits, and has ended off the ground and

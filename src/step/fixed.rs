@@ -62,8 +62,8 @@ impl Fixed {
 pub(super) enum Outcome {
     /// It may be accepted.
     Good,
-    /// Something turns too far in it, it makes energy, or it leaves the numbers: a shorter one may
-    /// do.
+    /// Something turns too far in it, it makes energy or takes some from what keeps it, or it
+    /// leaves the numbers: a shorter one may do.
     Bad,
     /// A contact with restitution touches in it.
     Bounces,
@@ -136,8 +136,16 @@ impl Fixed {
             if free {
                 return Outcome::Good;
             }
-        } else if explicit.attempt_fixed(ctx, methods.here, state, (part.h, gain), attempt) {
-            return Outcome::Good;
+        } else {
+            let length = (part.h, gain);
+            match explicit.attempt_fixed(ctx, methods.here, state, length, attempt) {
+                Some(true) => return Outcome::Good,
+                Some(false) => {
+                    counters.rejected += 1;
+                    return Outcome::Bad;
+                }
+                None => {}
+            }
         }
         if let Some(outcome) = Self::attempt_stages(ctx, methods, state, part, attempt) {
             counters.rejected += u64::from(outcome != Outcome::Good);

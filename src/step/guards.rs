@@ -8,7 +8,7 @@
 
 use crate::dynamics::energy::{kinetic, potential};
 use crate::dynamics::rnea::about_origin;
-use crate::force::{self, Drive, Terms};
+use crate::force::{self, Drive, JointTerm, Terms};
 use crate::inputs::ExternalWrench;
 use crate::kinematics::Kinematics;
 use crate::spatial::dot6;
@@ -125,16 +125,17 @@ fn is_booked(tree: &Tree) -> bool {
     tree.moved().all(bare)
 }
 
-/// The same for an explicit step of `h` seconds: nothing touches.
+/// The same for an explicit step of `h` seconds: nothing touches. Less than nothing is what it has
+/// taken.
 ///
 /// - `end`: where it ends, and poses and velocities there
-pub(super) fn gains_explicitly(
+pub(super) fn gain_explicitly(
     ctx: &Context,
     books: &Books,
     here: &Point,
     (from, h): (&Physical, f64),
     (end, kin): (&Physical, &Kinematics),
-) -> bool {
+) -> f64 {
     let (first, last) = (ctx.elapsed, ctx.elapsed + h);
     let powers = [
         push(ctx, (&here.kin, &from.v), first),
@@ -153,8 +154,22 @@ pub(super) fn gains_explicitly(
     let held = kinetic(ctx.tree, kin, &end.v)
         + potential(ctx.tree, kin)
         + force::held_by_springs(ctx.tree, kin);
-    let booked = ctx.tree.driven().next().is_none();
-    ctx.rules.energy && booked && held - books.held - work > books.allowed
+    if ctx.rules.energy && ctx.tree.driven().next().is_none() {
+        (held - books.held - work) / books.allowed
+    } else {
+        0.0
+    }
+}
+
+/// Whether nothing takes energy but what [`gain_explicitly`] counts to the last digits: no damper,
+/// no air, no law of a motor, no wrench that changes.
+pub(super) fn is_kept(ctx: &Context, terms: &Terms) -> bool {
+    let pd = |term: &JointTerm| matches!(term.drive, Drive::Pd { .. });
+    let mut springs = ctx.tree.springs.iter();
+    ctx.tree.world.drag <= 0.0
+        && ctx.inputs.wrenches.is_empty()
+        && springs.all(|spring| spring.damping <= 0.0)
+        && !terms.joints.iter().any(|t| t.damping > 0.0 || pd(t))
 }
 
 /// What the joint limits hold at `q`, J.
