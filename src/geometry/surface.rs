@@ -5,6 +5,7 @@
 //!
 //! Triangles are found by a tree of boxes.
 
+mod along;
 mod buried;
 mod facet;
 mod seams;
@@ -339,95 +340,6 @@ impl Node {
     fn is_near(&self, p: &Vec3, radius: f64) -> bool {
         let apart = p - p.sup(&self.low).inf(&self.high);
         apart.norm_squared() <= radius * radius
-    }
-}
-
-impl Surface {
-    /// Calls `take` with the triangles whose boxes a line meets between its beginning and a limit,
-    /// m along it, which `take` may lower.
-    pub fn each_along<'a>(
-        &'a self,
-        origin: &Vec3,
-        along: &Vec3,
-        mut take: impl FnMut(&'a Facet, &mut f64),
-    ) {
-        let mut limit = f64::INFINITY;
-        let line = Line::new(origin, along);
-        // The nearer one of two boxes first: what is behind a triangle is then never opened.
-        let mut stack = [(0_usize, 0.0_f64); STACK];
-        let mut count = 1;
-        while count > 0 {
-            count -= 1;
-            let (index, enter) = stack[count];
-            if enter > limit {
-                continue;
-            }
-            let node = &self.boxes[index];
-            if node.leaf {
-                for &facet in &self.order[node.next[0]..node.next[1]] {
-                    take(&self.facets[facet], &mut limit);
-                }
-                continue;
-            }
-            let enters = node.next.map(|next| line.enter(&self.boxes[next]));
-            let nearer = usize::from(enters[1] < enters[0]);
-            for child in [1 - nearer, nearer] {
-                if enters[child].is_finite() && enters[child] <= limit {
-                    stack[count] = (node.next[child], enters[child]);
-                    count += 1;
-                }
-            }
-        }
-    }
-
-    /// Whether a line from a place in front of the surface to another one ends behind it: it goes
-    /// through triangles from their front more often than from their back.
-    pub fn is_within(&self, from: &Vec3, to: &Vec3) -> bool {
-        let along = to - from;
-        let mut within = 0_i32;
-        self.each_along(from, &along, |facet, limit| {
-            *limit = limit.min(1.0);
-            let [before, after] = [from, to].map(|x| facet.height(x));
-            if (before > 0.0) != (after > 0.0) {
-                let place = from + along * (before / (before - after));
-                if facet.is_over(&place) {
-                    within += if before > 0.0 { 1 } else { -1 };
-                }
-            }
-        });
-        within > 0
-    }
-}
-
-/// A line from its beginning on, ready for many boxes.
-struct Line<'a> {
-    origin: &'a Vec3,
-    /// One over its direction.
-    inverse: Vec3,
-    /// By how much boxes are wider than they are, for round-off, m.
-    slack: Vec3,
-}
-
-impl<'a> Line<'a> {
-    fn new(origin: &'a Vec3, along: &Vec3) -> Self {
-        Self {
-            origin,
-            inverse: along.map(|d| 1.0 / d),
-            slack: origin.map(|x| SAME * (1.0 + x.abs())),
-        }
-    }
-
-    /// Where it enters a box, m along it; infinity if it does not. Along an axis in which it does
-    /// not go, the quotients are infinite, and not a number, which bounds nothing, on the side.
-    fn enter(&self, node: &Node) -> f64 {
-        let low = (node.low - self.slack - self.origin).component_mul(&self.inverse);
-        let high = (node.high + self.slack - self.origin).component_mul(&self.inverse);
-        let (mut enter, mut exit) = (0.0_f64, f64::INFINITY);
-        for axis in 0..3 {
-            let (a, b) = (low[axis], high[axis]);
-            (enter, exit) = (enter.max(a.min(b)), exit.min(a.max(b)));
-        }
-        if enter <= exit { enter } else { f64::INFINITY }
     }
 }
 

@@ -5,6 +5,7 @@
 use super::placed::Placed;
 use super::points::{PatchPoint, Points};
 use crate::spatial::Vec3;
+use crate::tuning::EVEN_EDGE;
 
 /// Where points go, given in the axes of the terrain.
 pub(super) struct Sink<'a> {
@@ -44,12 +45,13 @@ impl<'a> Sink<'a> {
     }
 }
 
-/// Which patch a normal belongs to.
+/// Which patch a normal belongs to: on the edge between two of them, where walls at 45° lie, to one
+/// whatever round-off says.
 fn part_of(n: &Vec3) -> usize {
     let side = n.x.abs().max(n.y.abs());
-    if n.z.abs() >= side {
+    if n.z.abs() > side - EVEN_EDGE {
         if n.z >= 0.0 { 0 } else { 5 }
-    } else if n.x.abs() >= n.y.abs() {
+    } else if n.x.abs() > n.y.abs() - EVEN_EDGE {
         if n.x > 0.0 { 1 } else { 2 }
     } else if n.y > 0.0 {
         3

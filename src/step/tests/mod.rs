@@ -46,6 +46,7 @@ mod pairs;
 mod properties;
 mod ratios;
 mod regions;
+mod rims;
 mod rolling;
 mod seams;
 mod servos;

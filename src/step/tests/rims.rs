@@ -44,12 +44,14 @@ fn rods(length: f64, thick: f64) -> [Shape; 4] {
 }
 
 /// What leans over the free rim of a round wall gains no energy: above the rim there is no wall,
-/// although the planes of its sides go on there.
+/// although the planes of its sides go on there. Contacts give back what they hold, at most a
+/// hundredth of weight times length; thrown up by such planes, rods gained ten times as much. Nor
+/// does what leans in the corner of four walls, of which none is nearer to one axis than to the
+/// other, take a thousand tries where others take one.
 #[test]
 fn what_leans_over_the_free_rim_of_a_round_wall_gains_no_energy() {
     let mut random = Random(15);
-    let mut all = Vec::new();
-    for case in 0..400 {
+    for case in 0..120 {
         let sides = 3 + (random.uniform(0.0, 8.0).exp2() * 0.3) as usize;
         let below = 0.1;
         let above = below * random.uniform(0.7, 1.5);
@@ -60,44 +62,25 @@ fn what_leans_over_the_free_rim_of_a_round_wall_gains_no_energy() {
         let free = 0.5 * below.min(above) - thick;
         let lean = random.uniform(0.1, 1.0) * f64::atan(free / height);
         let up = 0.5 * length * lean.cos() + thick + 0.001;
-        let at = Vec3::new(0.5 * length * lean.sin(), random.uniform(-0.01, 0.01), up);
+        let aside = random.uniform(-0.01, 0.01);
+        let at = Vec3::new(0.5 * length * lean.sin(), aside, up);
         let mut one = body(0.1, shape.clone(), at);
         one.links[0].friction = 0.0;
         one.links[0].restitution = 0.0;
         one.roots[0].rpy = Vec3::new(random.uniform(-0.02, 0.02), lean, 0.0);
         let terrain = ground(cup(sides, [below, above, height]), Vec3::zeros());
         let mut s = start(over(terrain, one), [1e-3, 1e-5][case / 4 % 2]);
-        let begun = std::time::Instant::now();
         let (mut least, mut gained) = (books(&s).2, 0.0);
         for i in 1..=200 {
             s.advance_to(0.005 * f64::from(i)).expect("finite");
             let held = books(&s).2;
-            if begun.elapsed().as_secs_f64() > 30.0 {
-                eprintln!(
-                    "SLOW {case} at {i} {:?} {:?}",
-                    s.state().physical.q,
-                    s.state().physical.v
-                );
-                break;
-            }
             least = f64::min(least, held);
             gained = f64::max(gained, held - least);
         }
-        let c = s.state().stepping.counters;
-        if c.steps + c.rejected > 8000 { eprintln!("STEPS {case} {c:?}"); }
-        all.push((
-            gained / (0.1 * 9.81 * length),
-            case,
-            shape.clone(),
-            sides,
-            above,
-            height,
-            length,
-            lean,
-        ));
-    }
-    all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    for one in &all[..25] {
-        println!("{one:?}");
+        let case = format!("{case}: {sides} sides, {above}, {height}, {shape:?}");
+        assert!(gained < 0.01 * 0.1 * 9.81 * length, "{case}: {gained} J");
+        let counters = s.state().stepping.counters;
+        let tries = counters.steps + counters.rejected;
+        assert!(tries < 8000, "{case}: {tries} tries");
     }
 }
