@@ -233,6 +233,7 @@ impl Exchange {
             slave: &mut *slave,
             following,
             between: [self.since, jump.min(self.next)],
+            said: String::new(),
         };
         let taken = if due > method.time {
             method.advance(&mut equations, due)?
@@ -241,12 +242,11 @@ impl Exchange {
         };
         let (time, states) = (method.time, method.states.as_slice());
         equations.place(time, states)?;
+        let said = equations.said;
         *steps += 1;
         if taken == Taken::Stuck || *steps > MOST_STEPS {
             let fastest = fastest(slave, &self.names, &self.nominals);
             return Err(if taken == Taken::Stuck {
-                let said = slave.messages().pop();
-                let said = said.map_or(String::new(), |message| format!(": {}", message.text));
                 ExchangeError::Stuck { fastest, said }
             } else {
                 ExchangeError::Steps { fastest }
@@ -284,6 +284,8 @@ struct Driven<'a, 'b> {
     following: &'a mut Following<'b>,
     /// When the inputs last jumped, and when they may jump again, s.
     between: [f64; 2],
+    /// What the FMU said where it last had no derivatives, as the end of a sentence.
+    said: String,
 }
 
 impl Driven<'_, '_> {
@@ -314,9 +316,16 @@ impl Equations for Driven<'_, '_> {
         states: &[f64],
         rates: &mut [f64],
     ) -> Result<bool, LibraryError> {
+        let heard = self.slave.heard();
         match self.evaluate(time, states, rates) {
             Ok(()) => Ok(true),
-            Err(error) if error.is_discard() => Ok(false),
+            // Nothing failed if a shorter step does it, and the FMU's complaint about the try is
+            // no message about the run. If none does, the end of the run says it.
+            Err(error) if error.is_discard() => {
+                error.said().clone_into(&mut self.said);
+                self.slave.forget_complaints(heard);
+                Ok(false)
+            }
             Err(error) => Err(error),
         }
     }

@@ -3,7 +3,7 @@
 
 use super::shared::{
     Completed, Interface, LAST_GOOD, LibraryError, Message, Stepped, Update, c_text, check,
-    functions, hear, open, said,
+    forget_complaints, functions, hear, open, said,
 };
 use libloading::Library;
 use std::cell::RefCell;
@@ -172,6 +172,16 @@ impl Slave {
     /// What has been said since the last time.
     pub fn messages(&self) -> Vec<Message> {
         self.heard.take()
+    }
+
+    /// How many messages there are since the last time.
+    pub fn heard(&self) -> usize {
+        self.heard.borrow().len()
+    }
+
+    /// Takes back the complaints after so many messages.
+    pub fn forget_complaints(&self, since: usize) {
+        forget_complaints(&mut self.heard.borrow_mut(), since);
     }
 
     /// fmi2SetupExperiment

@@ -3,8 +3,8 @@
 
 use super::elements::{Element, Wholes};
 use super::shared::{
-    Completed, Interface, LibraryError, Message, Stepped, Update, c_text, check, functions, hear,
-    open, said,
+    Completed, Interface, LibraryError, Message, Stepped, Update, c_text, check, forget_complaints,
+    functions, hear, open, said,
 };
 use libloading::Library;
 use std::cell::RefCell;
@@ -159,6 +159,16 @@ impl Slave {
     /// What has been said since the last time.
     pub fn messages(&self) -> Vec<Message> {
         self.heard.take()
+    }
+
+    /// How many messages there are since the last time.
+    pub fn heard(&self) -> usize {
+        self.heard.borrow().len()
+    }
+
+    /// Takes back the complaints after so many messages.
+    pub fn forget_complaints(&self, since: usize) {
+        forget_complaints(&mut self.heard.borrow_mut(), since);
     }
 
     /// For fmi3EnterInitializationMode

@@ -75,6 +75,16 @@ impl Slave {
         each!(self, slave => slave.messages())
     }
 
+    /// How many messages there are since the last time.
+    pub fn heard(&self) -> usize {
+        each!(self, slave => slave.heard())
+    }
+
+    /// Takes back the complaints after so many messages: those of a call whose failure is none.
+    pub fn forget_complaints(&self, since: usize) {
+        each!(self, slave => slave.forget_complaints(since));
+    }
+
     /// Times and tolerance of the experiment.
     pub fn setup(
         &mut self,

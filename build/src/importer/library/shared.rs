@@ -61,6 +61,14 @@ impl LibraryError {
     pub fn is_discard(&self) -> bool {
         matches!(self, Self::Status { status, .. } if status.ends_with("Discard"))
     }
+
+    /// What the FMU said about it, as the end of a sentence; empty where it said nothing.
+    pub fn said(&self) -> &str {
+        match self {
+            Self::Status { said, .. } | Self::Instantiate { said, .. } => said,
+            Self::Load { .. } | Self::Missing { .. } => "",
+        }
+    }
 }
 
 /// Who integrates.
@@ -71,6 +79,15 @@ pub enum Interface {
     CoSimulation,
     /// The importer.
     ModelExchange,
+}
+
+/// Takes back the complaints after so many messages: those of a call whose failure is none.
+pub(super) fn forget_complaints(heard: &mut Vec<Message>, since: usize) {
+    let mut place = 0;
+    heard.retain(|message| {
+        place += 1;
+        place <= since || message.status <= LAST_GOOD
+    });
 }
 
 /// What an FMU says at an event.
