@@ -14,9 +14,9 @@ use crate::spatial::{Vec3, quaternion_from_rotation, rotation_from_rpy};
 use crate::spatial::{rotation_from_quaternion, rpy_from_rotation};
 use crate::state::{Physical, State};
 use crate::tree::{BaseFrame, Tree, TreeCollider};
-use crate::tuning::REFERENCE_GRAVITY;
 #[cfg(feature = "urdf")]
 use crate::tuning::SPARE;
+use crate::tuning::{DEEP_START, REFERENCE_GRAVITY};
 
 /// The state that the parameters ask for at `time`, s.
 #[cfg_attr(small, optimize(size))]
@@ -59,8 +59,9 @@ pub(crate) fn initial_state(model: &Model, parameters: &Parameters, time: f64) -
 /// Shapes that are deeper in the ground than their contacts carry the weight at rest, at the poses
 /// of `kin`, and how deep each is, m. What no force moves does not touch the ground.
 ///
-/// Springs are made for the weight under standard gravity, and are deep at their reference depth. A
-/// weight that is greater makes them deeper: what is deep pushes as many times as hard then.
+/// Springs are made for the weight under standard gravity, and deep where they push with
+/// [`DEEP_START`] times as much. A weight that is greater makes them deeper: what is deep pushes as
+/// many times as hard then.
 ///
 /// - `tree`: with springs that are made for the weight, see [`Tree::scale`]
 pub(crate) fn in_ground<'a>(
@@ -74,10 +75,7 @@ pub(crate) fn in_ground<'a>(
         (c, -(kin.origin(tree, c.body).z + lowest))
     });
     let weights = (-tree.world.gravity.z / REFERENCE_GRAVITY).max(1.0);
-    depths.filter(move |(c, depth)| {
-        let spring = &c.spring;
-        spring.force(*depth) > weights * spring.force(spring.reference)
-    })
+    depths.filter(move |(c, depth)| c.spring.weights(*depth) > weights * DEEP_START)
 }
 
 /// Closes the loops of the initial state that the parameters ask for: what they say otherwise than

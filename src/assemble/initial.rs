@@ -255,11 +255,11 @@ pub(super) fn height(
     model.roots[0].set_down = own;
     let deep = links_in_ground(model);
     let deepest = deep.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-    if let Some(&(link, depth)) = deepest.filter(|_| !settings.driven) {
+    if let Some(&(link, depth, push)) = deepest.filter(|_| !settings.driven) {
         let name = |link: usize| &model.links[link].name;
         let deepest = name(link);
-        let others = deep.iter().filter(|(other, _)| *other != link);
-        let others: Vec<&String> = others.map(|(other, _)| name(*other)).collect();
+        let others = deep.iter().filter(|(other, ..)| *other != link);
+        let others: Vec<&String> = others.map(|(other, ..)| name(*other)).collect();
         let others = match others.len() {
             0 => String::new(),
             n => format!(
@@ -283,22 +283,26 @@ pub(super) fn height(
                  base at z = {z:.6} m ([initial] xyz), or use ground = {{ type = \"none\" }}"
             )
         };
-        let help =
-            format!("{help}; forces and accelerations at the start last for an instant only");
+        let help = format!(
+            "{help}; contacts push it out at first with {push:.0} times its weight, for an instant"
+        );
         findings.warning("A112", None, message, &help);
     }
 }
 
 /// The links that are deeper in the ground than their contacts carry the weight at rest, in their
-/// order, and how deep each is, m.
-fn links_in_ground(model: &Model) -> Vec<(usize, f64)> {
+/// order, how deep each is, m, and with how many weights its contact pushes there.
+fn links_in_ground(model: &Model) -> Vec<(usize, f64, f64)> {
     let Poses { tree, kin } = scaled(model);
     let mut depths = BTreeMap::new();
     for (collider, depth) in in_ground(model, (&tree, &kin)) {
-        let deepest = depths.entry(collider.link).or_insert(depth);
-        *deepest = depth.max(*deepest);
+        let deepest = depths.entry(collider.link).or_insert((depth, 0.0));
+        let push = collider.spring.weights(depth);
+        *deepest = (depth.max(deepest.0), push.max(deepest.1));
     }
-    depths.into_iter().collect()
+    let list = depths.into_iter();
+    list.map(|(link, (depth, push))| (link, depth, push))
+        .collect()
 }
 
 /// The initial pose, and a tree whose contacts are made for the weight of the model.

@@ -120,7 +120,7 @@ fn touching(
     let mut simulation = exchanged(model.clone());
     let mut x = shaken(&mut simulation, random, speed);
     simulation.set_states(&x);
-    let (_, depth) = simulation.deepest_in_ground().expect("five metres deep");
+    let (_, [depth, _]) = simulation.deepest_in_ground().expect("five metres deep");
     let rise = depth - 5e-5;
     model.roots[0].position.z += rise;
     let mut simulation = exchanged(model.clone());

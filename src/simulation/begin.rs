@@ -21,16 +21,18 @@ impl Simulation {
         self.forget();
     }
 
-    /// The link that is deepest in the ground, and how deep, m, of those that are deeper than their
-    /// contacts carry the weight at rest, be they as soft as a user likes; none where none is.
+    /// The link that is deepest in the ground, how deep, m, and with how many weights its contact
+    /// pushes there, of those that are deeper than their contacts carry the weight at rest, be they
+    /// as soft as a user likes; none where none is.
     #[cfg_attr(small, optimize(size))]
-    pub fn deepest_in_ground(&self) -> Option<(&str, f64)> {
+    pub fn deepest_in_ground(&self) -> Option<(&str, [f64; 2])> {
         self.model.world.ground.as_ref()?;
         let mut kin = Kinematics::new(&self.tree);
         kin.update_poses(&self.tree, &self.state.physical.q);
         let deep = initial::in_ground(&self.model, (&self.tree, &kin));
         let (deepest, depth) = deep.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        Some((&self.model.links[deepest.link].name, depth))
+        let push = deepest.spring.weights(depth);
+        Some((&self.model.links[deepest.link].name, [depth, push]))
     }
 
     /// Two joints of a group whose common position nobody has set, and where both begin, rad or m:

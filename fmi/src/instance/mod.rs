@@ -237,11 +237,12 @@ impl Instance {
             Interface::CoSimulation => Phase::StepComplete,
             Interface::ModelExchange => Phase::EventMode,
         };
-        if let Some((link, depth)) = self.simulation.deepest_in_ground() {
+        if let Some((link, [depth, push])) = self.simulation.deepest_in_ground() {
             let message = format!(
                 "the start is {:.3} mm inside the ground, with link '{link}': contacts will push it \
-                 out, at first with huge forces and accelerations; raise {}",
+                 out, at first with {:.0} times its weight; raise {}",
                 1e3 * depth,
+                push,
                 self.way_up(link)
             );
             self.warn(&message);

@@ -95,7 +95,7 @@ fn a_ball_starts_as_deep_as_its_spring_carries_it_which_is_not_called_deep() {
                 simulation.initialize(0.0).expect("a legal start");
                 let deepest = simulation.deepest_in_ground();
                 assert_eq!(told, deepest.is_some(), "{key} = {stiffness}, z = {z}");
-                deepest.map(|(link, depth)| (link.to_owned(), depth))
+                deepest.map(|(link, [depth, _])| (link.to_owned(), depth))
             };
             let z = model(&ball, &settings).roots[0].position.z;
             let off = z - (0.1 - depth);
@@ -141,5 +141,35 @@ fn a_ball_in_balance_is_not_called_deep_whatever_gravity() {
         };
         assert!(!told(depth), "{gravity}");
         assert!(told(3.0 * depth), "{gravity}");
+    }
+}
+
+/// A ball of 2 kg starts `contact.penetration` deep, as a person writes it, with the round-off of
+/// `0.1 − 1e-4`. The law of docs/design.md, `x (1 + x³) = 9/16 F/W`, gives 32/9 = 3.6 weights
+/// there, 4.6 at 1.1 such depths, and 10.4 at 1.45.
+#[test]
+fn a_start_as_deep_as_the_penetration_is_not_called_deep_by_round_off() {
+    let ball = robot(body("ball", 2.0));
+    for (z, told) in [
+        (0.0999, None),
+        (0.1 - 1e-4, None),
+        (f64::from_bits((0.1_f64 - 1e-4).to_bits() - 9), None),
+        (0.1 - 1.1e-4, None),
+        (0.1 - 1.45e-4, Some(10.4)),
+    ] {
+        let built = assembled(&ball, &format!("initial.xyz = [0, 0, {z:?}]"));
+        assert_eq!(has(&built, "A112"), told.is_some(), "{z}");
+        if told.is_some() {
+            let help = note(&built, "A112").help.expect("advice");
+            assert!(help.contains("with 10 times its weight"), "{help}");
+        }
+        let mut simulation = Simulation::new(Arc::new(built.model));
+        simulation.initialize(0.0).expect("a legal start");
+        let push = simulation.deepest_in_ground().map(|(_, [_, push])| push);
+        assert_eq!(push.is_some(), told.is_some(), "{z}");
+        assert!(
+            push.is_none_or(|push| (push - 10.4).abs() < 0.1),
+            "{push:?}"
+        );
     }
 }
