@@ -11,7 +11,8 @@ use super::findings::Findings;
 use super::robot::Robot;
 use crate::model::{JointId, JointKind, LinkId, Motion};
 use crate::settings::{BaseChoice, Settings};
-use crate::spatial::Pose;
+use crate::spatial::{Pose, Vec3};
+use std::collections::BTreeMap;
 
 /// How a base is mounted.
 const MOUNT: &str = "mount it: --fixed-base, or [robot] base = \"fixed\"; --floating-base says \
@@ -102,6 +103,44 @@ fn only_limb<'r>(robot: &'r Robot, on_base: &[bool]) -> Option<&'r str> {
     alone.then_some(joint.name.as_str())
 }
 
+/// Whether the base stands on legs, whatever they are called: at least four equal limbs, each of
+/// which reaches below all that is fixed to the base. Fingers of a hand rise above its palm.
+fn stands_on_limbs(robot: &Robot, on_base: &[bool]) -> bool {
+    /// Two are the arms of a torso, three may be the fingers of a gripper.
+    const LEAST: usize = 4;
+    // Of each link: its pose, the moving joint by which it hangs on the base, and the kinds of
+    // joints up to there.
+    let mut poses = vec![Pose::IDENTITY; robot.links.len()];
+    let mut limbs: Vec<Option<usize>> = vec![None; robot.links.len()];
+    let mut kinds: BTreeMap<usize, (Vec<JointKind>, f64)> = BTreeMap::new();
+    let lowest = |link: usize, pose: &Pose| {
+        let shapes = robot.shapes[link].iter();
+        let heights = shapes.map(|s| s.shape.lowest(&pose.compose(&s.X_LG), &Vec3::z()));
+        heights.fold(f64::INFINITY, f64::min)
+    };
+    let mut floor = lowest(0, &poses[0]);
+    for (j, joint) in robot.joints.iter().enumerate() {
+        let (parent, child) = (joint.parent.index(), joint.child.index());
+        poses[child] = poses[parent].compose(&joint.X_PJ);
+        let own = lowest(child, &poses[child]);
+        if on_base[child] {
+            floor = floor.min(own);
+            continue;
+        }
+        let limb = limbs[parent].unwrap_or(j);
+        limbs[child] = Some(limb);
+        let (list, end) = kinds.entry(limb).or_insert((Vec::new(), f64::INFINITY));
+        list.push(joint.kind);
+        *end = end.min(own);
+    }
+    let low = kinds
+        .values()
+        .filter(|(_, end)| *end < floor && end.is_finite());
+    let legs: Vec<&Vec<JointKind>> = low.map(|(list, _)| list).collect();
+    let equal = |leg: &&Vec<JointKind>| legs.iter().filter(|other| *other == leg).count();
+    legs.iter().any(|leg| equal(leg) >= LEAST)
+}
+
 /// Why it seems that the base of a robot whose joints move is bolted down, which would float: the
 /// end of a sentence.
 fn seems_bolted(robot: &Robot, on_base: &[bool]) -> Option<String> {
@@ -120,6 +159,9 @@ fn seems_bolted(robot: &Robot, on_base: &[bool]) -> Option<String> {
             "all that moves hangs on joint '{joint}', as with an arm that is bolted down: it will \
              fall over"
         ));
+    }
+    if stands_on_limbs(robot, on_base) {
+        return None;
     }
     let (held, _) = names.find(|(name, _)| has_word(name, &HELD))?;
     Some(format!(
@@ -148,6 +190,45 @@ fn world_hangs(robot: &Robot, findings: &mut Findings) -> bool {
         findings.warning("A107", place, message, &help);
     }
     found.is_some()
+}
+
+/// Warns of a base without a shape from which all that touches hangs by floating joints: it falls by
+/// itself, and nothing of it is the robot that one means; tells whether there is one.
+fn falls_alone(robot: &Robot, on_base: &[bool], findings: &mut Findings) -> bool {
+    let moving = || {
+        let joints = robot.joints.iter().zip(&robot.lines.joints);
+        joints.filter(|(joint, _)| on_base[joint.parent.index()] && joint.kind != JointKind::Fixed)
+    };
+    let shapeless = robot.shapes.iter().zip(on_base);
+    let shapeless = shapeless
+        .filter(|(_, on_base)| **on_base)
+        .all(|(s, _)| s.is_empty());
+    let loose = moving().all(|(joint, _)| joint.kind == JointKind::Floating);
+    // How many links hang on each link, itself included: children come after their parents.
+    let mut below = vec![1_usize; robot.links.len()];
+    for joint in robot.joints.iter().rev() {
+        below[joint.parent.index()] += below[joint.child.index()];
+    }
+    let largest = moving().max_by_key(|(joint, _)| below[joint.child.index()]);
+    let (true, true, Some((joint, line))) = (shapeless, loose, largest) else {
+        return false;
+    };
+    let (base, body) = (&robot.links[0].name, &robot.links[joint.child.index()].name);
+    let message = format!(
+        "the base '{base}' touches nothing and falls by itself: '{body}', with {} of {} links, hangs \
+         on it by joint '{}', which is floating",
+        below[joint.child.index()],
+        robot.links.len(),
+        joint.name
+    );
+    let help = format!(
+        "base.* and the summary follow '{base}'; make '{body}' the root: remove '{base}' and joint \
+         '{}', or list '{body}' in [outputs] links to follow it",
+        joint.name
+    );
+    let place = findings.line(*line);
+    findings.warning("A107", place, message, &help);
+    true
 }
 
 /// Decides whether the base is fixed or floating; leaves out a root that only stands for the world.
@@ -221,7 +302,7 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
                 );
                 let place = joint.name.place.clone();
                 findings.warning("A107", place, message, MOUNT);
-            } else if world_hangs(robot, findings) {
+            } else if world_hangs(robot, findings) || falls_alone(robot, &on_base, findings) {
                 // Told.
             } else if settings.mounting.is_none()
                 && has_moving_child

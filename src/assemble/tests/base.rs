@@ -182,3 +182,105 @@ fn a_world_that_hangs_on_the_robot_is_told_with_the_exchange_that_bolts_it_down(
         "A107"
     ));
 }
+
+/// A box of 0.4 × 0.3 × 0.1 m with limbs of three joints at its corners, whose balls of 0.1 m are
+/// `fall` m below each other.
+fn with_corners(corners: &[[f64; 2]], fall: f64) -> Description {
+    let half = Vec3::new(0.2, 0.15, 0.05);
+    let mut built = robot(LinkDescription {
+        collisions: vec![collision(Pose::IDENTITY, Shape::Box { half })],
+        ..mass("base_link", 1.0)
+    });
+    for (k, [x, y]) in corners.iter().enumerate() {
+        let names = ["shoulder", "arm", "hand"].map(|part| format!("limb_{k}_{part}_link"));
+        let mut parent = "base_link".to_owned();
+        for (i, name) in names.into_iter().enumerate() {
+            let X_PJ = if i == 0 {
+                at(*x, *y, 0.0)
+            } else {
+                at(0.0, 0.0, -fall)
+            };
+            let joint = format!("{parent}_to_{k}_{i}");
+            built = built.with(&parent, &joint, Revolute, X_PJ, body(&name, 0.2));
+            parent = name;
+        }
+    }
+    built
+}
+
+/// A quadruped of students, whose legs are called shoulder, arm and hand, stands at 0.381 m for 3 s.
+#[test]
+fn four_equal_limbs_that_carry_the_base_are_legs_whatever_they_are_called() {
+    let corners = [[0.2, 0.1], [0.2, -0.1], [-0.2, 0.1], [-0.2, -0.1]];
+    let severity = |description: &Description| {
+        let built = assembled(description, "");
+        note(&built, "A107").severity
+    };
+    assert_eq!(severity(&with_corners(&corners, 0.15)), Severity::Note);
+    // Three, and four that rise from the base as fingers from a palm.
+    assert_eq!(
+        severity(&with_corners(&corners[..3], 0.15)),
+        Severity::Warning
+    );
+    let palm = with_corners(&corners, 0.15);
+    let mut risen = palm.clone();
+    for joint in &mut risen.joints {
+        joint.X_PJ.p.z = -joint.X_PJ.p.z + 0.1;
+    }
+    assert_eq!(severity(&risen), Severity::Warning);
+    // One that differs.
+    let mut odd = palm;
+    odd.joints[2].kind = Fixed;
+    assert_eq!(severity(&odd), Severity::Warning);
+}
+
+/// As Blender's exporter writes it: an empty root with mass, from which body and feet hang freely.
+#[test]
+fn a_root_that_falls_without_its_robot_is_told_with_the_link_that_carries_it() {
+    let loose = |root: LinkDescription, kind| {
+        robot(root)
+            .with(
+                "root",
+                "foot_joint",
+                Floating,
+                at(0.3, 0.0, 0.0),
+                body("foot", 0.1),
+            )
+            .with(
+                "root",
+                "body_joint",
+                kind,
+                at(0.0, 0.0, 0.1),
+                body("body", 2.0),
+            )
+            .with(
+                "body",
+                "hip",
+                Revolute,
+                at(0.2, 0.0, 0.0),
+                body("thigh", 0.2),
+            )
+    };
+    let built = assembled(&loose(mass("root", 0.1), Floating), "");
+    let found = note(&built, "A107");
+    assert_eq!(found.severity, Severity::Warning, "{}", found.message);
+    assert!(
+        found
+            .message
+            .contains("'root' touches nothing and falls by itself")
+            && found.message.contains("'body', with 2 of 4 links"),
+        "{}",
+        found.message
+    );
+    let help = found.help.expect("advice");
+    assert!(
+        help.contains("make 'body' the root") && help.contains("'body_joint'"),
+        "{help}"
+    );
+    // A root that touches, and one that carries the body.
+    for (root, kind) in [(body("root", 0.1), Floating), (mass("root", 0.1), Revolute)] {
+        let built = assembled(&loose(root, kind), "");
+        let told = note(&built, "A107").message;
+        assert!(!told.contains("falls by itself"), "{told}");
+    }
+}
