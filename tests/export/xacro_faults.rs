@@ -241,3 +241,28 @@ fn what_may_follow_from_a_fault_or_be_wrong_too_is_listed() {
         }
     }
 }
+
+/// A camera of a field robot: the frame that a joint names is written in an included file, for an
+/// argument that is false.
+#[test]
+fn a_link_that_a_condition_of_xacro_left_out_is_told_with_file_line_and_condition() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    let camera = "<robot xmlns:xacro='x'>\n<xacro:macro name='cam' params='name'>\n\
+                  <link name='${name}_link'/>\n<xacro:if value='${nominal}'>\n\
+                  <link name='${name}_depth_frame'/>\n</xacro:if>\n</xacro:macro></robot>";
+    write(root, "cam.xacro", camera);
+    let robot = "<robot name='r' xmlns:xacro='x'><xacro:arg name='nominal' default='false'/>\
+                 <xacro:property name='nominal' value='$(arg nominal)'/>\
+                 <xacro:include filename='cam.xacro'/><xacro:cam name='d415'/><link name='b'/>\
+                 <joint name='j' type='fixed'><parent link='d415_depth_frame'/>\
+                 <child link='b'/></joint></robot>";
+    let (ok, list) = findings(&write(root, "r.urdf.xacro", robot), &[]);
+    let of_link = list.iter().find(|f| f["code"] == "U016").unwrap();
+    let help = of_link["help"].as_str().unwrap();
+    assert!(
+        !ok && help.contains("cam.xacro:5 writes <link name=\"${name}_depth_frame\">")
+            && help.contains("<xacro:if value='${nominal}'>, which may have left it out"),
+        "{help}"
+    );
+}

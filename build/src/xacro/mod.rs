@@ -9,6 +9,7 @@
 
 mod bind;
 mod command;
+mod conditions;
 mod definitions;
 mod evaluate;
 mod expand;

@@ -1,6 +1,7 @@
 //! Where the lines of an expanded text come from: findings of later stages are about that text,
 //! and who mends them needs the file that was written by hand.
 
+use super::conditions;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -27,6 +28,14 @@ impl Origins {
             };
             if let Some(call) = self.call(&finding.message) {
                 finding.help = Some(call);
+            }
+            if finding.code == "U016"
+                && let Some(left_out) = conditions::left_out(&self.texts, &finding.message)
+            {
+                finding.help = Some(match finding.help.take() {
+                    Some(help) if !help.is_empty() => format!("{left_out}\n{help}"),
+                    _ => left_out,
+                });
             }
             finding.help = Some(match finding.help.take() {
                 Some(help) => format!("{written}\n{help}"),
