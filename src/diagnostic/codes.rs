@@ -108,7 +108,7 @@ pub const CODES: &[Row] = &[
     ("U041", "An axis of zeros.", "Write its direction, such as `0 0 1`."),
     ("U043", "The lower limit is above the upper one: the range between them is used, or none where PyBullet's files write none so.", "Exchange them, or use `type=\"continuous\"`."),
     ("U044", "A joint that turns or slides has no `<limit>`, or no range in it, and counts as unlimited; or one end of the range alone, whose other is 0.", "Give the range, or use `type=\"continuous\"`."),
-    ("U045", "A `<limit>` without effort or velocity.", "Write them, or nothing: they count as unlimited."),
+    ("U045", "A `<limit>` without effort or velocity, or with a velocity by which the joint needs hours for its range.", "Write them, or nothing: they count as unlimited."),
     ("U046", "A `<mimic>` of a joint that does not exist or cannot be followed, or in a circle.", "Correct the name."),
     ("U047", "A `<mimic>` of a joint that cannot follow.", "Remove it."),
     ("U060", "A negative mass.", "Write the mass in kg."),

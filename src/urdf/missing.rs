@@ -153,6 +153,13 @@ pub(super) fn report(
             } else {
                 ""
             };
+            if let Some(folder) = moved_together(resolver, &names) {
+                help = format!(
+                    "{help}\nall {} are in {folder}: write this folder in their lines, or copy the files to \
+                     where they are looked for",
+                    names.len()
+                );
+            }
             let s = if list.len() == 2 { "" } else { "s" };
             help = format!(
                 "{help}\nthe others are in line{s} {}{more}",
@@ -176,6 +183,19 @@ pub(super) fn report(
         }
         scope.problem("U104", first.at.clone(), &message, help);
     }
+}
+
+/// The one folder in which the only files lie that are called as these.
+fn moved_together(resolver: &Resolver, names: &[&str]) -> Option<String> {
+    let folder = |name: &&str| {
+        let file = resolver.same_name(&name.trim().replace('\\', "/"), None)?;
+        Some(file.parent()?.to_owned())
+    };
+    let folders: Option<Vec<PathBuf>> = names.iter().map(folder).collect();
+    let folders = folders?;
+    let first = folders.first()?;
+    let together = folders.iter().all(|other| other == first);
+    together.then(|| first.display().to_string())
 }
 
 /// A file name, where it stands, and the file that is used.

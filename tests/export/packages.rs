@@ -212,6 +212,30 @@ fn a_missing_mesh_names_the_one_file_of_its_name() {
     assert!(!field(&list, "U104", "help").contains("one file of that name"));
 }
 
+/// A robot from Windows whose meshes were moved to a folder below: nothing but their last names fits.
+#[test]
+fn missing_meshes_that_lie_in_one_other_folder_are_told_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    for name in ["a.stl", "b.stl"] {
+        write(root, &format!("meshes/collision/bac/{name}"), tetrahedron());
+    }
+    let meshes = ["meshes\\collision\\a.stl", "meshes\\collision\\b.stl"];
+    let robot = write(root, "r.urdf", mesh_robot(&meshes));
+    let (ok, list) = findings(&robot, &[]);
+    let help = field(&list, "U104", "help");
+    assert!(
+        !ok && help.contains("all 2 are in ")
+            && help.contains("meshes/collision/bac: write this folder in their lines"),
+        "{help}"
+    );
+    // In two folders there is no one to write.
+    write(root, "meshes/old/c.stl", tetrahedron());
+    let others = mesh_robot(&[meshes[0], "meshes\\collision\\c.stl"]);
+    let (_, list) = findings(&write(root, "o.urdf", others), &[]);
+    assert!(!field(&list, "U104", "help").contains("all 2 are in "));
+}
+
 /// `ManiSkill`, Genesis and `real_robot` collide with `.glb` and `.ply` files.
 #[test]
 fn meshes_in_ply_and_binary_gltf_collide_and_are_seen() {

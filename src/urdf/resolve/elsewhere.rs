@@ -73,7 +73,7 @@ impl Resolver<'_> {
 
     /// The one file of the robot's folders that has the last part of `name`, wherever it lies: too
     /// little to use it, since many robots have one name for what is seen and what collides.
-    pub(super) fn same_name(&self, name: &str, package: Option<&Path>) -> Option<PathBuf> {
+    pub(in crate::urdf) fn same_name(&self, name: &str, package: Option<&Path>) -> Option<PathBuf> {
         let files = self.own_files.get_or_init(|| Files::below(&self.roots));
         let found = files.alone(name)?;
         is_in(found, package).then(|| found.to_owned())
