@@ -11,6 +11,7 @@ use crate::model::JointKind;
 use crate::range::Range as Physical;
 use crate::spatial::Vec3;
 use std::collections::HashMap;
+use std::f64::consts::TAU;
 
 const CHILDREN: [&str; 10] = [
     "origin",
@@ -209,7 +210,31 @@ fn limit(scope: &mut Scope, node: Node, kind: JointKind) -> Limit {
             scope.note("U035", at, &told.message, HELP);
         }
     }
-    (range(scope, child, lower, upper), effort, velocity)
+    let range = range(scope, child, lower, upper);
+    if let (Some((lower, upper)), Some(speed)) = (range, velocity) {
+        warn_slow(scope, child, upper - lower, (kind, speed));
+    }
+    (range, effort, velocity)
+}
+
+/// Warns of a velocity limit by which a joint needs hours for its range, as of a rounded 0. Position
+/// servos keep to it, and give way to a load. A range of more than a turn or 6 m may stand for none.
+fn warn_slow(scope: &mut Scope, limit: Node, range: f64, (kind, speed): (JointKind, f64)) {
+    let (range, turns) = (range.min(TAU), kind == JointKind::Revolute);
+    let unit = if turns { "rad" } else { "m" };
+    let hours = range / speed / 3600.0;
+    if let Some(attribute) = limit.attribute("velocity")
+        && speed > 0.0
+        && hours >= 1.0
+    {
+        let message = format!(
+            "<limit> velocity {} {unit}/s means {hours:.1} hours for {range:.3} {unit}: the position servo \
+             keeps to it, and can hardly move or hold the joint",
+            Digits(speed)
+        );
+        let help = format!("write the velocity in {unit}/s; small servos turn by 5 rad/s");
+        scope.warning("U045", attribute.at.clone(), &message, help);
+    }
 }
 
 fn range(
