@@ -192,8 +192,8 @@ fn world_hangs(robot: &Robot, findings: &mut Findings) -> bool {
     found.is_some()
 }
 
-/// Warns of a base without a shape from which all that touches hangs by floating joints: it falls by
-/// itself, and nothing of it is the robot that one means; tells whether there is one.
+/// Warns of a base without a shape from which all that touches hangs by floating joints: it falls
+/// by itself, and nothing of it is the robot that one means; tells whether there is one.
 fn falls_alone(robot: &Robot, on_base: &[bool], findings: &mut Findings) -> bool {
     let moving = || {
         let joints = robot.joints.iter().zip(&robot.lines.joints);

@@ -217,8 +217,9 @@ fn limit(scope: &mut Scope, node: Node, kind: JointKind) -> Limit {
     (range, effort, velocity)
 }
 
-/// Warns of a velocity limit by which a joint needs hours for its range, as of a rounded 0. Position
-/// servos keep to it, and give way to a load. A range of more than a turn or 6 m may stand for none.
+/// Warns of a velocity limit by which a joint needs hours for its range, as of a rounded 0.
+/// Position servos keep to it, and give way to a load. A range of more than a turn or 6 m may stand
+/// for none.
 fn warn_slow(scope: &mut Scope, limit: Node, range: f64, (kind, speed): (JointKind, f64)) {
     let (range, turns) = (range.min(TAU), kind == JointKind::Revolute);
     let unit = if turns { "rad" } else { "m" };

@@ -212,7 +212,8 @@ fn a_missing_mesh_names_the_one_file_of_its_name() {
     assert!(!field(&list, "U104", "help").contains("one file of that name"));
 }
 
-/// A robot from Windows whose meshes were moved to a folder below: nothing but their last names fits.
+/// A robot from Windows whose meshes were moved to a folder below: nothing but their last names
+/// fits.
 #[test]
 fn missing_meshes_that_lie_in_one_other_folder_are_told_together() {
     let folder = tempfile::tempdir().unwrap();

@@ -208,7 +208,8 @@ fn with_corners(corners: &[[f64; 2]], fall: f64) -> Description {
     built
 }
 
-/// A quadruped of students, whose legs are called shoulder, arm and hand, stands at 0.381 m for 3 s.
+/// A quadruped of students, whose legs are called shoulder, arm and hand, stands at 0.381 m for
+/// 3 s.
 #[test]
 fn four_equal_limbs_that_carry_the_base_are_legs_whatever_they_are_called() {
     let corners = [[0.2, 0.1], [0.2, -0.1], [-0.2, 0.1], [-0.2, -0.1]];
