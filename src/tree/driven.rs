@@ -11,6 +11,11 @@ use super::parts::Tree;
 use crate::model::RootId;
 use crate::spatial::{Vec3, Vec6, quaternion_exp, quaternion_normalized, quaternion_product};
 
+/// Most parts of a turn: those of ten minutes at the fastest angular velocity that inputs may have.
+/// Saved states may hold any speed; what they turn by then has no digits left. Without it
+/// `no_turn_takes_for_ever` does.
+const MOST_PARTS: f64 = 1e6;
+
 impl Tree {
     /// Whether a body moves as inputs say.
     #[inline]
@@ -74,7 +79,8 @@ fn turn(w: &Vec3, a: &Vec3, t: f64) -> [f64; 4] {
     if w.cross(a) == Vec3::zeros() {
         return quaternion_exp(&((w + a * (0.5 * t)) * t));
     }
-    let parts = libm::ceil(t * w.norm().max((w + a * t).norm())).max(1.0);
+    let most = t * w.norm().max((w + a * t).norm());
+    let parts = libm::ceil(most).clamp(1.0, MOST_PARTS);
     let s = t / parts;
     let (mut turned, mut done) = ([1.0, 0.0, 0.0, 0.0], 0.0);
     while done < parts {
@@ -104,4 +110,20 @@ fn sum_of_turn(A: &Vec3, B: &Vec3) -> [f64; 4] {
         [before, term] = [term, next];
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Speeds that only a saved state may have, whose axis turns.
+    #[test]
+    fn no_turn_takes_for_ever() {
+        for speed in [1e12, 1e100, 1e300, f64::MAX, f64::INFINITY, f64::NAN] {
+            let [w, a] = [Vec3::new(speed, 1.0, 0.0), Vec3::new(0.0, speed, 1.0)];
+            let q = turn(&w, &a, 1.0 / 240.0);
+            let norm = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+            assert!(!norm.is_finite() || (norm - 1.0).abs() < 1e-6, "{q:?}");
+        }
+    }
 }
