@@ -2,6 +2,7 @@
 
 use super::{Facet, Node, SAME, STACK, Surface};
 use crate::spatial::Vec3;
+use crate::tuning::SEAM;
 
 impl Surface {
     /// Calls `take` with the triangles whose boxes a line meets between its beginning and a limit,
@@ -42,21 +43,28 @@ impl Surface {
     }
 
     /// Whether a line from a place in front of the surface to another one ends behind it: it goes
-    /// through triangles from their front more often than from their back.
+    /// through triangles from their front more often than from their back, as into one of two
+    /// solids that go through each other and out of the other one; or from their front at last, as
+    /// through a sheet that is drawn from both sides.
     pub fn is_within(&self, from: &Vec3, to: &Vec3) -> bool {
         let along = to - from;
-        let mut within = 0_i32;
+        let length = along.norm();
+        let (mut within, mut last, mut enters) = (0_i32, f64::NEG_INFINITY, false);
         self.each_along(from, &along, |facet, limit| {
             *limit = limit.min(1.0);
             let [before, after] = [from, to].map(|x| facet.height(x));
-            if (before > 0.0) != (after > 0.0) {
-                let place = from + along * (before / (before - after));
-                if facet.is_over(&place) {
-                    within += if before > 0.0 { 1 } else { -1 };
-                }
+            let through = before / (before - after);
+            if (before > 0.0) == (after > 0.0) || !facet.is_over(&(from + along * through)) {
+                return;
+            }
+            let (way, front) = (through * length, before > 0.0);
+            within += if front { 1 } else { -1 };
+            if way > last - SEAM {
+                enters = front || enters && way <= last + SEAM;
+                last = last.max(way);
             }
         });
-        within > 0
+        within > 0 || enters
     }
 }
 

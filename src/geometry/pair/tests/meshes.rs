@@ -180,6 +180,54 @@ fn meshes_that_are_no_clean_surfaces_carry_like_clean_ones() {
     }
 }
 
+/// What has struck such floors is deep in them as in a plane, also where a floor is drawn from below,
+/// too: deeper than a shape is round, a corner counts only where it has come through the surface.
+#[test]
+fn what_is_deep_in_meshes_that_are_no_clean_surfaces_is_as_deep_as_in_a_plane() {
+    let seed = 12;
+    let mut random = Random(seed);
+    let plane = solid(&Shape::Plane);
+    let (radius, half_length) = (0.05, 0.06);
+    let can = Shape::Cylinder {
+        radius,
+        half_length,
+    };
+    let things = [
+        ("can", can),
+        ("box", cube(0.07)),
+        ("hull", dodecahedron(0.06)),
+    ];
+    for (name, list) in floors(&mut random) {
+        let surface = Surface::try_from(Triangles::new(&list)).expect("triangles");
+        let ground = solid(&Shape::Surface {
+            surface: Arc::new(surface),
+        });
+        for (what, shape) in &things {
+            let one = solid(shape);
+            for case in 0..60 {
+                let [roll, pitch] = [0, 1].map(|_| random.uniform(-0.3, 0.3));
+                let yaw = random.uniform(0.0, TAU);
+                let R = *nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw).matrix();
+                let mut X = at(
+                    Vec3::new(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.5),
+                    R,
+                );
+                let (mut expected, mut found) = (Patch::new(), Patch::new());
+                expected.find((&one, &X), (&plane, &Pose::IDENTITY), 1.0);
+                let highest = expected.points().iter().map(|p| p.depth);
+                X.p.z += highest.fold(f64::NEG_INFINITY, f64::max) - 5e-3;
+                expected.find((&one, &X), (&plane, &Pose::IDENTITY), 1e-3);
+                found.find((&one, &X), (&ground, &Pose::IDENTITY), 1e-3);
+                let [(depth, n, _), (d, m, _)] = [&expected, &found].map(pressed);
+                assert!(
+                    (d / depth - 1.0).abs() < 1e-4 && (m - n).norm() < 1e-9,
+                    "{name}, {what}, seed {seed}, case {case}: {d} of {depth}"
+                );
+            }
+        }
+    }
+}
+
 /// A can on a round hill of triangles that meet at less than 0.1°: their edges count as even, and
 /// the lowest point of the can along the normal of each triangle is beyond it.
 #[test]
