@@ -180,8 +180,8 @@ fn meshes_that_are_no_clean_surfaces_carry_like_clean_ones() {
     }
 }
 
-/// What has struck such floors is deep in them as in a plane, also where a floor is drawn from below,
-/// too: deeper than a shape is round, a corner counts only where it has come through the surface.
+/// What has struck such floors is deep in them as in a plane, also where a floor is drawn from
+/// below, too: deeper than a shape is round, a corner counts only where it has come through.
 #[test]
 fn what_is_deep_in_meshes_that_are_no_clean_surfaces_is_as_deep_as_in_a_plane() {
     let seed = 12;
