@@ -488,8 +488,9 @@ pub const RAY_BELOW: f64 = 1e-9;
 /// Halvings by which a ray finds the surface: to round-off. At 10 fails
 /// `rays_meet_heights_where_small_steps_do`.
 pub const RAY_HALVINGS: u32 = 52;
-/// Sine of the angle between two triangles of terrain below which their edge is even: 0.1°. At 0
-/// fails `walls_and_floor_push_along_their_own_normals`.
+/// Sine of the angle between two triangles of terrain below which their edge is even: 0.1°. Normals
+/// as near to the edge between two patches belong to one of them. At 0 fails
+/// `walls_and_floor_push_along_their_own_normals`.
 pub const EVEN_EDGE: f64 = 1.7e-3;
 /// Gap between triangles of terrain, or height of one over the other, below which the surface goes
 /// on from one to the other, m: files are written in single precision. At 0 fails

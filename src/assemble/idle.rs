@@ -255,20 +255,28 @@ fn of_solver(model: &Model, settings: &Settings) -> Vec<Vain> {
         return Vec::new();
     }
     let (set, own) = (&settings.solver, Settings::of(settings.compat).solver);
-    let cases = [
-        (
-            "step_size",
-            set.step_size.to_bits() != own.step_size.to_bits(),
-        ),
-        (
-            "max_steps",
-            set.max_steps.to_bits() != own.max_steps.to_bits(),
-        ),
+    let keys = [
+        ("step_size", differ(set.step_size, own.step_size)),
+        ("max_steps", differ(set.max_steps, own.max_steps)),
     ];
     let why = "in Model Exchange the importer takes the steps";
     let help = "leave it out, or set interface = \"both\" or \"cs\" in [fmu]";
-    let idle = cases.into_iter().filter(|(_, idle)| *idle);
-    idle.map(|(key, _)| (key, why, help)).collect()
+    all_for_one_reason(&keys, why, help)
+}
+
+/// Whether a number was set, as it is not the one that stands for none.
+fn differ(set: f64, own: f64) -> bool {
+    set.to_bits() != own.to_bits()
+}
+
+/// Keys that were set, all in vain for one reason.
+fn all_for_one_reason(
+    keys: &[(&'static str, bool)],
+    why: &'static str,
+    help: &'static str,
+) -> Vec<Vain> {
+    let given = keys.iter().filter(|(_, given)| *given);
+    given.map(|(key, _)| (*key, why, help)).collect()
 }
 
 /// Keys of the law of contact.
@@ -286,24 +294,17 @@ fn of_contact(model: &Model, settings: &Settings) -> Vec<Vain> {
     let lone = model.world.ground.is_none() && model.roots.len() == 1 && !settings.self_collision;
     if touching.is_empty() || lone {
         let keys = [
-            (
-                "penetration",
-                set.penetration.to_bits() != own.penetration.to_bits(),
-            ),
+            ("penetration", differ(set.penetration, own.penetration)),
             ("stiffness", set.stiffness.is_some()),
-            (
-                "dissipation",
-                set.dissipation.to_bits() != own.dissipation.to_bits(),
-            ),
+            ("dissipation", differ(set.dissipation, own.dissipation)),
             (
                 "stribeck_velocity",
-                set.stribeck_velocity.to_bits() != own.stribeck_velocity.to_bits(),
+                differ(set.stribeck_velocity, own.stribeck_velocity),
             ),
         ];
         let why = "there is nothing that touches anything";
         let help = "leave it out, or add a ground, collision shapes, objects or self_collision";
-        let given = keys.into_iter().filter(|(_, given)| *given);
-        return given.map(|(key, _)| (key, why, help)).collect();
+        return all_for_one_reason(&keys, why, help);
     }
     let stiff = each(|link| link.stiffness.is_some());
     // Where coefficients are multiplied, the other side may keep a link from bouncing.
@@ -312,7 +313,7 @@ fn of_contact(model: &Model, settings: &Settings) -> Vec<Vain> {
     let cases = [
         (
             "stribeck_velocity",
-            set.stribeck_velocity.to_bits() != own.stribeck_velocity.to_bits()
+            differ(set.stribeck_velocity, own.stribeck_velocity)
                 && excess.all(|excess| excess <= 0.0),
             "friction falls from static_friction, and neither a link nor the ground has one above \
              its friction",
@@ -320,7 +321,7 @@ fn of_contact(model: &Model, settings: &Settings) -> Vec<Vain> {
         ),
         (
             "penetration",
-            set.penetration.to_bits() != own.penetration.to_bits() && stiff,
+            differ(set.penetration, own.penetration) && stiff,
             "each link that touches anything has a stiffness of its own",
             "leave it out, or the stiffness of the links",
         ),
@@ -332,7 +333,7 @@ fn of_contact(model: &Model, settings: &Settings) -> Vec<Vain> {
         ),
         (
             "dissipation",
-            set.dissipation.to_bits() != own.dissipation.to_bits() && damped,
+            differ(set.dissipation, own.dissipation) && damped,
             "each link that touches anything has one of its own, or a restitution in its place",
             "leave it out, or that of the links",
         ),

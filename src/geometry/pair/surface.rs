@@ -10,12 +10,13 @@
 //!    without a radius does, where the direction between them lies between the normals of its two
 //!    triangles; outside these directions the triangles carry the shape.
 //!
-//! A triangle carries a shape whose middle is in front of it, but not with a corner that lies
-//! beyond what is behind the triangle: the tip of a hull that has passed a wall is not as deep in
-//! its near side as the wall is thick, and more. Nor does it where its plane has come out of the
-//! ground again: of rough ground the plane of a triangle in a valley goes on over the next one, and
-//! that of a wall of a hole above the floor. A corner that is just above the floor is behind the
-//! wall by its distance from the hole.
+//! A triangle carries a shape whose middle is in front of it, but not with a corner that has not
+//! come through the surface on the way from there: the tip of a hull that has passed a wall is not
+//! as deep in its near side as the wall is thick, and more, and what hangs over the free rim of a
+//! wall is not behind its sides. Nor does it where its plane has come out of the ground again: of
+//! rough ground the plane of a triangle in a valley goes on over the next one, and that of a wall
+//! of a hole above the floor. A corner that is just above the floor is behind the wall by its
+//! distance from the hole.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 

@@ -108,6 +108,28 @@ fn pressed(patch: &Patch) -> (f64, Vec3, Vec3) {
     (sum.powf(0.25), normal / total, center / total)
 }
 
+/// What a shape presses into a plane and into a floor where it is so deep in the plane, m, at a
+/// random place and yaw.
+fn pressed_in_both(
+    (one, [roll, pitch]): (&Solid, [f64; 2]),
+    floors: [&Solid; 2],
+    deep: f64,
+    random: &mut Random,
+) -> [(f64, Vec3, Vec3); 2] {
+    let yaw = random.uniform(0.0, TAU);
+    let R = *nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw).matrix();
+    let [x, y] = [0, 1].map(|_| random.uniform(-1.0, 1.0));
+    let mut X = at(Vec3::new(x, y, 0.5), R);
+    let mut patch = Patch::new();
+    patch.find((one, &X), (floors[0], &Pose::IDENTITY), 1.0);
+    let highest = patch.points().iter().map(|p| p.depth);
+    X.p.z += highest.fold(f64::NEG_INFINITY, f64::max) - deep;
+    floors.map(|floor| {
+        patch.find((one, &X), (floor, &Pose::IDENTITY), 1e-3);
+        pressed(&patch)
+    })
+}
+
 /// Triangles that are there twice or from both sides, whose corners lie in the midst of others'
 /// sides, and that a file has torn apart by its digits: all are a plane.
 #[test]
@@ -156,19 +178,9 @@ fn meshes_that_are_no_clean_surfaces_carry_like_clean_ones() {
             for case in 0..100 {
                 let mut lean = |x: f64| x + random.uniform(-0.01, 0.01) * f64::from(case % 2);
                 let (roll, pitch) = (lean(tilt.x), lean(tilt.y));
-                let yaw = random.uniform(0.0, TAU);
-                let R = *nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw).matrix();
-                let mut X = at(
-                    Vec3::new(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.5),
-                    R,
-                );
-                let (mut expected, mut found) = (Patch::new(), Patch::new());
-                expected.find((&one, &X), (&plane, &Pose::IDENTITY), 1.0);
-                let highest = expected.points().iter().map(|p| p.depth);
-                X.p.z += highest.fold(f64::NEG_INFINITY, f64::max) - 1e-4;
-                expected.find((&one, &X), (&plane, &Pose::IDENTITY), 1e-3);
-                found.find((&one, &X), (&ground, &Pose::IDENTITY), 1e-3);
-                let [(depth, n, c), (d, m, k)] = [&expected, &found].map(pressed);
+                let leaning = (&one, [roll, pitch]);
+                let [(depth, n, c), (d, m, k)] =
+                    pressed_in_both(leaning, [&plane, &ground], 1e-4, &mut random);
                 assert!(
                     (d / depth - 1.0).abs() < 1e-6
                         && (m - n).norm() < 1e-9
@@ -206,19 +218,9 @@ fn what_is_deep_in_meshes_that_are_no_clean_surfaces_is_as_deep_as_in_a_plane() 
             let one = solid(shape);
             for case in 0..60 {
                 let [roll, pitch] = [0, 1].map(|_| random.uniform(-0.3, 0.3));
-                let yaw = random.uniform(0.0, TAU);
-                let R = *nalgebra::Rotation3::from_euler_angles(roll, pitch, yaw).matrix();
-                let mut X = at(
-                    Vec3::new(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.5),
-                    R,
-                );
-                let (mut expected, mut found) = (Patch::new(), Patch::new());
-                expected.find((&one, &X), (&plane, &Pose::IDENTITY), 1.0);
-                let highest = expected.points().iter().map(|p| p.depth);
-                X.p.z += highest.fold(f64::NEG_INFINITY, f64::max) - 5e-3;
-                expected.find((&one, &X), (&plane, &Pose::IDENTITY), 1e-3);
-                found.find((&one, &X), (&ground, &Pose::IDENTITY), 1e-3);
-                let [(depth, n, _), (d, m, _)] = [&expected, &found].map(pressed);
+                let leaning = (&one, [roll, pitch]);
+                let [(depth, n, _), (d, m, _)] =
+                    pressed_in_both(leaning, [&plane, &ground], 5e-3, &mut random);
                 assert!(
                     (d / depth - 1.0).abs() < 1e-4 && (m - n).norm() < 1e-9,
                     "{name}, {what}, seed {seed}, case {case}: {d} of {depth}"
