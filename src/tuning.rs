@@ -294,6 +294,10 @@ pub const COASTING_MOST: f64 = 2000.0;
 /// reach: hundreds of steps together a thousandth. At 0 fails
 /// `a_four_bar_stays_closed_in_fixed_steps`.
 pub const GAIN: f64 = 1e-5;
+/// Energy that a fixed step of one solve may take from what turns in it, as a share of kinetic
+/// energy and weight times reach; what takes more is taken in parts. At 1 fails
+/// `a_disc_that_wobbles_keeps_its_energy_in_steps_of_any_length`.
+pub const DRAINED: f64 = 1e-4;
 /// Energy that counts under error control as an error of the size of the tolerance, as a share of
 /// the tolerance and of the same energies. At 1e6 fails
 /// `a_rotor_runs_up_along_its_torque_speed_line`.

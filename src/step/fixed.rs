@@ -217,6 +217,7 @@ impl Fixed {
             here,
             there,
             implicit,
+            stages,
             ..
         } = methods;
         let (tree, Part { h, whole }) = (ctx.tree, part);
@@ -266,7 +267,9 @@ impl Fixed {
         implicit.take_full(ctx, here, from, h, attempt);
         let parts = (&here.terms, &implicit.full);
         let work = guards::work(ctx, &here.kin, parts, [h, middle]);
-        if guards::spoils(ctx, &books, (here, there), &attempt.end, [h, work]) {
+        let lost = stages.taken_by_drift(&here.terms.contacts, &implicit.full.responses, h);
+        let spoilt = guards::spoils(ctx, &books, (here, there), &attempt.end, [h, work]);
+        if spoilt || books.are_drained(lost, h / whole) {
             counters.rejected += 1;
             return Outcome::Bad;
         }

@@ -16,7 +16,7 @@ use crate::state::Physical;
 use crate::step::convex::Newton;
 use crate::step::point::{Context, Point};
 use crate::tree::{Extent, Tree};
-use crate::tuning::{MENDED_GAIN, REFERENCE_GRAVITY};
+use crate::tuning::{DRAINED, MENDED_GAIN, REFERENCE_GRAVITY};
 
 /// Energies at the start of a step, J.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,6 +28,15 @@ pub(super) struct Books {
     allowed: f64,
     /// What it may make without being solved again, as a multiple of that.
     pub(super) mended: f64,
+    /// Kinetic energy and weight times reach.
+    whole: f64,
+}
+
+impl Books {
+    /// Whether the method has taken more than a share of these energies in a part of a fixed step.
+    pub(super) fn are_drained(&self, lost: f64, part: f64) -> bool {
+        lost > DRAINED * part * self.whole
+    }
 }
 
 /// Energies at the start of a step from where `here` stands, which may add `share` of kinetic
@@ -36,6 +45,7 @@ pub(super) fn open_books(ctx: &Context, here: &Point, from: &Physical, share: f6
     let tree = ctx.tree;
     let Point { kin, terms, .. } = here;
     let moving = kinetic(tree, kin, &from.v);
+    let whole = moving + fall(tree);
     Books {
         held: moving
             + terms.friction()
@@ -43,7 +53,8 @@ pub(super) fn open_books(ctx: &Context, here: &Point, from: &Physical, share: f6
             + terms.springs()
             + limits(tree, here, &from.q),
         mended: (MENDED_GAIN / share).min(1.0),
-        allowed: share * (moving + fall(tree)),
+        allowed: share * whole,
+        whole,
     }
 }
 

@@ -52,7 +52,7 @@ pub(super) mod secants;
 
 use crate::closure::Rows;
 use crate::dynamics::{crba, rnea};
-use crate::force::{Contact, ContactSet, Memory, Secant, Terms, seek};
+use crate::force::{Contact, ContactSet, Memory, Responses, Secant, Terms, seek};
 use crate::kinematics::{advance, forward, wind};
 use crate::model::Model;
 use crate::spatial::Vec6;
@@ -359,6 +359,18 @@ impl Stages {
                 contact.rise = climbing - start.normal_velocity(before, &self.way);
             }
         }
+    }
+
+    /// Energy, J, that one solve over `h` seconds takes by what contacts have drifted.
+    pub fn taken_by_drift(&self, contacts: &ContactSet, solved: &Responses, h: f64) -> f64 {
+        let mut middles = self.middle.terms.contacts.iter().peekable();
+        let mut taken = 0.0;
+        for (contact, r) in contacts.iter().zip(&solved.contacts) {
+            if let Some(middle) = seek(&mut middles, contact.slot, |c| c.slot) {
+                taken += 0.5 * (h * r.friction.force.dot(&middle.drift) - r.load * middle.rise);
+            }
+        }
+        taken
     }
 
     /// Sets the drift of springs from the start to the middle, and their length to that of the

@@ -19,6 +19,7 @@ mod cans;
 mod chains;
 mod collisions;
 mod deep;
+mod discs;
 mod driven;
 mod dropped;
 mod ends;
