@@ -23,7 +23,7 @@ use crate::step::explicit::Explicit;
 use crate::step::guards;
 use crate::step::implicit::Implicit;
 use crate::step::point::{Context, Point};
-use crate::step::size::{fastest, fastest_within};
+use crate::step::size::{fastest, fastest_within, worst_error};
 use crate::step::stages::Stages;
 use crate::step::stages::secants::Ending;
 use crate::tree::Tree;
@@ -199,7 +199,8 @@ impl Fixed {
         if !attempt.end.is_finite() {
             return None;
         }
-        let bad = ended.gain > 1.0 || guards::has_missed(ctx, (here, there), h);
+        let bad =
+            ended.gain > 1.0 || stages.has_no_middle() || guards::has_missed(ctx, (here, there), h);
         Some(if bad { Outcome::Bad } else { Outcome::Good })
     }
 
@@ -269,11 +270,21 @@ impl Fixed {
         let work = guards::work(ctx, &here.kin, parts, [h, middle]);
         let lost = stages.taken_by_drift(&here.terms.contacts, &implicit.full.responses, h);
         let spoilt = guards::spoils(ctx, &books, (here, there), &attempt.end, [h, work]);
-        if spoilt || books.are_drained(lost, h / whole) {
+        let drained = books.are_drained(lost, h / whole);
+        if spoilt || drained || turning && self.has_no_middle(ctx, from, &attempt.end, h) {
             counters.rejected += 1;
             return Outcome::Bad;
         }
         Outcome::Good
+    }
+
+    /// Whether the step to `end` of `h` seconds errs by more than the tolerance because its middle
+    /// was taken where the first solve leads and not where the second one does: see
+    /// [`Stages::has_no_middle`].
+    fn has_no_middle(&self, ctx: &Context, from: &Physical, end: &Physical, h: f64) -> bool {
+        let turned = h * fastest_within(ctx.tree, [&from.v, &end.v]);
+        let unexpected = |k: usize| (0.0, 0.5 * turned * (end.v[k] - self.first[k]));
+        worst_error(ctx.tree, h, unexpected) > ctx.tolerance
     }
 
     /// Puts mass matrix, joint motions and lever arms to where the robot is half way with the

@@ -60,7 +60,6 @@ use crate::state::{Physical, Trend};
 use crate::step::attempt::mean_acceleration;
 use crate::step::convex::{Newton, Problem, Run};
 use crate::step::point::{Context, Point};
-use crate::step::size::worst_error;
 use crate::tree::Tree;
 use crate::tuning::{
     BOUNCE_SHARE, CONTACT_STEP, FIXED_ACCURACY, LAG_SHARE, MAX_CARRIES, MISPLACED, VELOCITY_WEIGHT,
@@ -202,20 +201,6 @@ impl Stages {
                 return false;
             }
         }
-    }
-
-    /// Error relative to the tolerance that a step of `h` seconds, which has been solved, makes
-    /// because its middle is not where it was expected. The velocity there is off by half of what
-    /// the change of velocity is off. Where something turns by `θ` in the step, bias and lever arms
-    /// are off by `θ/h` times this, and velocities after the step by `θ` times this.
-    fn misplaced(&self, ctx: &Context, from: &Physical, h: f64) -> f64 {
-        let (tree, end) = (ctx.tree, &self.solved[1].v);
-        let turned = self.turned(tree, from, (1, h));
-        let unexpected = |k: usize| {
-            let change = end[k] - from.v[k] - h * self.trend.whole[k];
-            (0.0, 0.5 * turned * change)
-        };
-        worst_error(tree, h, unexpected) / ctx.tolerance
     }
 
     /// Solves both stages of a step of `h` seconds with the accelerations `self.trend`.

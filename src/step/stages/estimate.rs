@@ -111,6 +111,27 @@ impl Stages {
             .max(placed)
     }
 
+    /// Whether a step that has been solved errs by more than the tolerance because its middle has
+    /// not been found: each solve leads to another one. What turns under a load moves so fast that
+    /// the step does not resolve it, as the links of a light rope that carries tons.
+    pub fn has_no_middle(&self) -> bool {
+        self.off > 1.0
+    }
+
+    /// Error relative to the tolerance that a step of `h` seconds, which has been solved, makes
+    /// because its middle is not where it was expected. The velocity there is off by half of what
+    /// the change of velocity is off. Where something turns by `θ` in the step, bias and lever arms
+    /// are off by `θ/h` times this, and velocities after the step by `θ` times this.
+    pub(super) fn misplaced(&self, ctx: &Context, from: &Physical, h: f64) -> f64 {
+        let (tree, end) = (ctx.tree, &self.solved[1].v);
+        let turned = self.turned(tree, from, (1, h));
+        let unexpected = |k: usize| {
+            let change = end[k] - from.v[k] - h * self.trend.whole[k];
+            (0.0, 0.5 * turned * change)
+        };
+        worst_error(tree, h, unexpected) / ctx.tolerance
+    }
+
     /// Error of the first stage, relative to the tolerance, because bias and lever arms are those
     /// of the velocities in the middle of the whole step: what happens behind it is in these.
     /// See [`Self::misplaced`].

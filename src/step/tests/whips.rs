@@ -1,7 +1,8 @@
-//! Light bodies in loops that take up the energy of heavy ones for an instant.
+//! Light bodies between heavy ones: in loops they take up the energy of these for an instant, and
+//! as a rope they swing across their load.
 
 use super::loops::watch;
-use super::worlds::world;
+use super::worlds::{books, world};
 use super::*;
 use crate::closure::testing::{add, anchor};
 use crate::model::LoopKind;
@@ -165,5 +166,74 @@ fn a_trebuchet_keeps_its_energy_in_fixed_steps() {
         let [widest, lost] = watch(&mut s, 3.0, 1.0 / 240.0);
         assert!(lost < allowed, "{fixed}, {tolerance}: {lost} J");
         assert!(widest < 1e-11, "{fixed}, {tolerance}: {widest} m");
+    }
+}
+
+/// A rope of 25 links of 5 g, turning joints with balls of 10 mm between them, lies over a drum of
+/// 0.2 m that does not turn, and carries 1 and 4 kg. Nothing rubs: its energy stays, and the load
+/// rises by 0.1151 m in 0.2 s, as at 1e-5 (a rope without mass: `½ 3/5 g t²` = 0.1177 m). Links of
+/// 2.6 cm swing across 16 N in 17 ms, the fastest mode of the rope ten times as fast. In steps of
+/// 1/240 s, which do not resolve that, waves grew to 60 rad/s, what met the drum was damped, and
+/// the rope stood still: 73 % of the energy was lost, at 1/480 s 69 %.
+#[test]
+fn a_light_rope_slides_over_a_drum_without_friction() {
+    let (radius, ball, arc, hang) = (0.2, 0.01, 12, 6);
+    let step = std::f64::consts::PI / f64::from(arc);
+    let length = 2.0 * (radius + ball) * (0.5 * step).sin();
+    let down = |x: f64, n: i32| Vec3::new(x * (radius + ball), 0.0, -length * f64::from(n));
+    let around = (0..=arc).map(|k| {
+        let angle = std::f64::consts::PI - step * f64::from(k);
+        Vec3::new(angle.cos(), 0.0, angle.sin()) * (radius + ball)
+    });
+    let mut places: Vec<_> = (1..=hang).rev().map(|n| down(-1.0, n)).collect();
+    places.extend(around);
+    places.extend((1..=hang).map(|n| down(1.0, n)));
+    let links: Vec<_> = places.windows(2).map(|ends| ends[1] - ends[0]).collect();
+    let last = links.len() - 1;
+    let body = |k: usize| {
+        let (load, place, turns) = match k {
+            0 => (1.0, 0.0, 1e-4),
+            k if k == last => (4.0, length, 1e-4),
+            _ => (0.0, 0.5 * length, 1e-7),
+        };
+        inertia(5e-3 + load, X * place, [turns; 3])
+    };
+    let pitch = |d: &Vec3| -d.z.atan2(d.x);
+    let mut rope = Builder::new(true, body(0));
+    let mut link = LinkId(0);
+    for (k, ends) in links.windows(2).enumerate() {
+        let turn = Vec3::new(0.0, pitch(&ends[1]) - pitch(&ends[0]), 0.0);
+        let joint = Pose::from_xyz_rpy(X * length, turn);
+        link = rope.link(link, joint, Motion::Revolute(Y), body(k + 1));
+        rope.shape(link, Shape::Sphere { radius: ball }, Pose::IDENTITY);
+    }
+    rope.model.roots[0].position = places[0];
+    rope.model.roots[0].rpy.y = pitch(&links[0]);
+    let mut drum = Builder::new(false, RigidInertia::ZERO);
+    let half_length = 0.1;
+    let shape = Shape::Cylinder {
+        radius,
+        half_length,
+    };
+    let across = Pose::from_xyz_rpy(Vec3::zeros(), X * std::f64::consts::FRAC_PI_2);
+    drum.shape(LinkId(0), shape, across);
+    let mut model = world([rope.model, drum.model]);
+    for link in &mut model.links {
+        link.friction = 0.0;
+    }
+    model.world.ground = None;
+    for (rate, share, way) in [
+        (240.0, 0.05, 2e-3),
+        (480.0, 0.05, 2e-3),
+        (1000.0, 5e-3, 2e-4),
+    ] {
+        model.solver.step_size = 1.0 / rate;
+        let mut s = start(model.clone(), 1e-3);
+        let before = [books(&s).2, s.state().physical.q[2]];
+        run(&mut s, 0.2, 1.0 / 240.0);
+        let lost = before[0] - books(&s).2;
+        let risen = s.state().physical.q[2] - before[1];
+        assert!(lost.abs() < share * 3.4, "{rate}: {lost} J");
+        assert!((risen - 0.1151).abs() < way, "{rate}: {risen} m");
     }
 }
