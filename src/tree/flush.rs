@@ -3,17 +3,18 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::Tree;
+use crate::geometry::Shape;
 use crate::geometry::pair::Solid;
 use crate::spatial::Pose;
 use std::sync::Arc;
 
 impl Tree {
-    /// Tells boxes and hulls that do not move what covers their walls, so that what slides from one
-    /// to the next does not run against the edge between them.
+    /// Tells boxes and hulls that do not move what covers their walls, or goes on as high as they
+    /// behind a gap, so that what slides from one to the next does not run against the edge between
+    /// them.
     pub(super) fn join_solids(&mut self) {
-        let still: Vec<(usize, Pose, Arc<Solid>)> = self
-            .contact
-            .colliders
+        let colliders = &self.contact.colliders;
+        let mut still: Vec<(usize, Pose, Arc<Solid>)> = colliders
             .iter()
             .enumerate()
             .filter(|(_, collider)| !collider.moves)
@@ -22,15 +23,29 @@ impl Tree {
                 Some((place, X, collider.solid.clone()?))
             })
             .collect();
-        for (place, X, solid) in &still {
+        if self.contact.has_ground {
+            let ground = Arc::new(Solid::new(&Shape::Plane, 0.0));
+            still.push((colliders.len(), Pose::IDENTITY, ground));
+        }
+        let moving = colliders.iter().filter(|collider| collider.moves);
+        let widest = moving.fold(0.0_f64, |most, collider| most.max(collider.radius));
+        let mut joined = Vec::new();
+        for (place, X, solid) in &still[..still.len() - usize::from(self.contact.has_ground)] {
             let back = X.inverse();
-            let beside = still
-                .iter()
-                .filter(|(other, ..)| other != place)
-                .filter_map(|(_, other, shape)| solid.touched_by(shape, &back.compose(other)));
-            if let Some(joined) = solid.with_beside(beside.collect()) {
-                self.contact.colliders[*place].solid = Some(Arc::new(joined));
+            let (mut beside, mut across) = (Vec::new(), Vec::new());
+            for (_, other, shape) in still.iter().filter(|(other, ..)| other != place) {
+                let there = back.compose(other);
+                match solid.touched_by(shape, &there) {
+                    Some(touches) => beside.push(touches),
+                    None => across.extend(solid.across_to(shape, &there, widest)),
+                }
             }
+            if let Some(solid) = solid.with_beside(beside, across) {
+                joined.push((*place, Arc::new(solid)));
+            }
+        }
+        for (place, solid) in joined {
+            self.contact.colliders[place].solid = Some(solid);
         }
     }
 }
@@ -38,7 +53,7 @@ impl Tree {
 #[cfg(test)]
 mod tests {
     use crate::geometry::Shape;
-    use crate::model::{LinkId, Model, RootKind};
+    use crate::model::{Ground, LinkId, Model, RootKind};
     use crate::spatial::{Pose, RigidInertia, Vec3};
     use crate::testing::{Builder, inertia, run, start};
 
@@ -105,6 +120,63 @@ mod tests {
                 for length in [0.5, 0.1] {
                     let off = (slides(&shape, height, length, fixed_step) - one).norm();
                     assert!(off < 2e-2, "{shape:?} {length} {fixed_step}: {off}");
+                }
+            }
+        }
+    }
+
+    /// A block of 0.3 m slides from one plate to the next one behind a gap, which it crosses on
+    /// both, or from the ground to a plate whose top is level with it: nothing changes, as on one
+    /// plate. It stumbled over the edge: at 1e-3 and below it lost 3 % of 3 m/s and 7 % of 0.5 m/s,
+    /// in fixed steps 46 and 43 %, and leapt 8 cm high.
+    #[test]
+    fn what_slides_over_a_gap_slides_as_on_one_plate() {
+        let half = Vec3::new(0.15, 0.05, 0.025);
+        let can = Shape::Cylinder {
+            radius: 0.15,
+            half_length: 0.025,
+        };
+        for shape in [Shape::Box { half }, can] {
+            for (gap, speed) in [
+                (1e-5, 3.0),
+                (1e-4, 3.0),
+                (1e-3, 0.5),
+                (1e-2, 3.0),
+                (0.0, 3.0),
+                (0.0, 0.5),
+            ] {
+                for (fixed_step, tolerance) in
+                    [(0.0, 1e-3), (0.0, 1e-5), (1e-3, 1e-3), (1.0 / 240.0, 1e-3)]
+                {
+                    let mut b = Builder::new(true, inertia(1.0, Vec3::zeros(), [3e-3; 3]));
+                    b.shape(LinkId(0), shape.clone(), Pose::IDENTITY);
+                    let mut model = b.model;
+                    model.roots[0].position = Vec3::new(-0.2 * speed, 0.013, 0.025);
+                    model.roots[0].linear_velocity.x = speed;
+                    model.links[0].friction = 0.0;
+                    if gap > 0.0 {
+                        model.join(plate(-4.0, 0.0), "from", RootKind::Object);
+                    }
+                    model.join(plate(gap, 4.0), "to", RootKind::Object);
+                    for link in &mut model.links {
+                        link.friction = 0.0;
+                    }
+                    let ground = Ground {
+                        friction: 0.0,
+                        ..Ground::default()
+                    };
+                    model.world.ground = (gap <= 0.0).then_some(ground);
+                    model.solver.step_size = fixed_step;
+                    let mut s = start(model, tolerance);
+                    let mut highest = 0.0_f64;
+                    for i in 1..=144 {
+                        run(&mut s, f64::from(i) / 240.0, 1.0 / 240.0);
+                        highest = highest.max(s.state().physical.q[2]);
+                    }
+                    let off = s.state().physical.q[0] - 0.4 * speed;
+                    let case = format!("{shape:?} {gap} {speed} {fixed_step} {tolerance}");
+                    assert!(off.abs() < 1e-4 * speed, "{case}: {off} m behind");
+                    assert!(highest < 0.025 + 2e-5, "{case}: {highest} m high");
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! What stands beside a solid.
+//! What stands beside a solid, against it or across a gap.
 
 use crate::spatial::Vec3;
 
@@ -19,4 +19,16 @@ impl Beside {
     pub(super) fn holds(&self, x: &Vec3, slack: f64) -> bool {
         self.0.iter().all(|(n, height)| n.dot(x) <= height + slack)
     }
+}
+
+/// A face of another solid, level with one of a solid, across a gap behind a wall of that; in the
+/// axes of that.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Across {
+    /// Outward normal of the wall.
+    pub(super) wall: Vec3,
+    /// Normal of both level faces.
+    pub(super) up: Vec3,
+    /// All faces of the other one but that.
+    pub(super) sides: Beside,
 }

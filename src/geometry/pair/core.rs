@@ -11,7 +11,7 @@
 use super::super::faces::Faces;
 use super::super::hull::{Simplices, hull};
 use super::super::{MOST_CORNERS, Shape, bounded_hull};
-use super::beside::Beside;
+use super::beside::{Across, Beside};
 use super::corners::Corners;
 use super::mesh::{Bar, Mesh, box_mesh, ends, hull_mesh};
 use crate::geometry::field::Field;
@@ -88,6 +88,8 @@ pub struct Solid {
     pub(super) bars: Vec<Bar>,
     /// What stands against it, see `flush.rs`.
     pub(super) beside: Vec<Beside>,
+    /// What goes on as high as it behind a gap, see there.
+    pub(super) across: Vec<Across>,
 }
 
 impl Solid {
@@ -111,6 +113,7 @@ impl Solid {
             core_corners: Vec::new(),
             bars: Vec::new(),
             beside: Vec::new(),
+            across: Vec::new(),
         };
         match shape {
             Shape::Sphere { radius } => of(Core::Point, *radius, *radius),
@@ -242,6 +245,7 @@ impl Solid {
             core_corners: Vec::new(),
             bars: Vec::new(),
             beside: Vec::new(),
+            across: Vec::new(),
         }
     }
 

@@ -5,16 +5,21 @@
 //! half a penetration deep, and comes upon an edge at up to 13°. So a direction out of a solid
 //! never leans towards a wall that another one covers there: what the direction has along the
 //! normal of that wall is left out. Between two level plates, the normal is that of both.
+//!
+//! The same holds for a plate whose top is level with the ground, and for two level plates with a
+//! gap between them while what slides has a face on both or lies on the other one: the next plate
+//! carries that face where it ends, at the depth that it has. What rolls comes down into a gap, and
+//! meets its edge.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::beside::{Beside, Face};
+use super::beside::{Across, Beside, Face};
 use super::core::{Core, Solid};
 use super::nearest::Apart;
 use super::placed::{Placed, separation};
 use super::points::{Points, point};
 use crate::spatial::{Pose, Vec3};
-use crate::tuning::{LEAN, SEAM, STRAIGHT};
+use crate::tuning::{EVEN_EDGE, LEAN, SEAM, STRAIGHT};
 
 impl Solid {
     /// Flat faces of a polyhedron.
@@ -31,32 +36,77 @@ impl Solid {
         matches!(self.core, Core::Box { .. } | Core::Corners(_)) && !self.mesh.normals.is_empty()
     }
 
+    /// Its faces where it stands at `X`, and its corners.
+    fn placed_at(&self, X: &Pose) -> (Vec<Face>, Vec<Vec3>) {
+        let faces = self.faces().map(|(n, height)| {
+            let n = X.R * n;
+            (n, height + n.dot(&X.p))
+        });
+        let corners = self.mesh.corners.iter().map(|x| X.point(x));
+        (faces.collect(), corners.collect())
+    }
+
     /// What of `other`, which stands at `X` in its own axes, may cover its walls; none where these
     /// are apart.
     pub fn touched_by(&self, other: &Self, X: &Pose) -> Option<Beside> {
-        let near = X.p.norm() <= self.reach + other.reach + SEAM;
-        if !near || !self.is_polyhedron() || !other.is_polyhedron() {
+        if !self.is_polyhedron() {
             return None;
         }
-        let faces: Vec<Face> = other
-            .faces()
-            .map(|(n, height)| {
-                let n = X.R * n;
-                (n, height + n.dot(&X.p))
-            })
-            .collect();
-        let there: Vec<Vec3> = other.mesh.corners.iter().map(|x| X.point(x)).collect();
         let is_apart =
             |(n, height): Face, corners: &[Vec3]| corners.iter().all(|x| n.dot(x) > height + SEAM);
+        if matches!(other.core, Core::HalfSpace) {
+            let n: Vec3 = X.R.column(2).into();
+            let face = (n, n.dot(&X.p));
+            return (!is_apart(face, &self.mesh.corners)).then(|| Beside::new(vec![face]));
+        }
+        let near = X.p.norm() <= self.reach + other.reach + SEAM;
+        if !near || !other.is_polyhedron() {
+            return None;
+        }
+        let (faces, there) = other.placed_at(X);
         let apart = faces.iter().any(|face| is_apart(*face, &self.mesh.corners))
             || self.faces().any(|face| is_apart(face, &there));
         (!apart).then_some(Beside::new(faces))
     }
 
-    /// The same with others beside it; nothing where it has these already.
-    pub fn with_beside(&self, beside: Vec<Beside>) -> Option<Self> {
-        (self.beside != beside).then(|| Self {
+    /// Where `other`, which stands at `X` in its own axes and is not against it, goes on as high as
+    /// it behind a wall: one for each such wall and face.
+    ///
+    /// - `widest`: greatest distance of a place of what may lie on both from its origin, m
+    pub fn across_to(&self, other: &Self, X: &Pose, widest: f64) -> Vec<Across> {
+        let mut across = Vec::new();
+        let near = X.p.norm() <= self.reach + other.reach + 2.0 * widest;
+        if !near || !self.is_polyhedron() || !other.is_polyhedron() {
+            return across;
+        }
+        let (faces, there) = other.placed_at(X);
+        for (up, height) in self.faces() {
+            let is_level = |(i, (n, _)): &(usize, &Face)| {
+                let high = |x: &usize| (up.dot(&there[*x]) - height).abs() <= SEAM;
+                (n - up).norm() < EVEN_EDGE && other.mesh.face(*i).iter().all(high)
+            };
+            let Some((level, _)) = faces.iter().enumerate().find(is_level) else {
+                continue;
+            };
+            let behind = |(n, height): &Face| {
+                n.dot(&up) < EVEN_EDGE && there.iter().all(|x| n.dot(x) > height - SEAM)
+            };
+            let others = faces.iter().enumerate().filter(|(i, _)| *i != level);
+            let sides: Vec<Face> = others.map(|(_, face)| *face).collect();
+            across.extend(self.faces().filter(behind).map(|(wall, _)| Across {
+                wall,
+                up,
+                sides: Beside::new(sides.clone()),
+            }));
+        }
+        across
+    }
+
+    /// The same with others beside it and across gaps; nothing where it has these already.
+    pub fn with_beside(&self, beside: Vec<Beside>, across: Vec<Across>) -> Option<Self> {
+        (self.beside != beside || self.across != across).then(|| Self {
             beside,
+            across,
             ..self.clone()
         })
     }
@@ -73,9 +123,9 @@ pub(super) struct Kept {
     pub(super) distance: f64,
 }
 
-/// The direction out of `p` about the place `x`, in place of `n`; none where it stays.
-fn kept(p: &Placed, n: &Vec3, x: &Vec3) -> Option<Vec3> {
-    if p.solid.beside.is_empty() {
+/// The direction out of `p` towards `o`, about the place `x`, in place of `n`; none where it stays.
+fn kept((p, o): (&Placed, &Placed), n: &Vec3, x: &Vec3) -> Option<Vec3> {
+    if p.solid.beside.is_empty() && p.solid.across.is_empty() {
         return None;
     }
     let (mut d, mut x) = (p.R.tr_mul(n), p.R.tr_mul(&(x - p.p)));
@@ -85,7 +135,11 @@ fn kept(p: &Placed, n: &Vec3, x: &Vec3) -> Option<Vec3> {
     let mut changed = false;
     for (n, height) in p.solid.faces() {
         let lean = n.dot(&d);
-        if lean > LEAN && is_covered(p.solid, (n, height), &x) {
+        let is_closed = || {
+            let up = (d - n * lean).try_normalize(STRAIGHT);
+            is_covered(p.solid, (n, height), &x) || up.is_some_and(|up| is_bridged((p, o), &n, &up))
+        };
+        if lean > LEAN && is_closed() {
             d -= n * lean;
             changed = true;
         }
@@ -101,6 +155,38 @@ fn is_covered(solid: &Solid, (n, height): Face, x: &Vec3) -> bool {
     solid.beside.iter().any(|other| other.holds(&beyond, SEAM))
 }
 
+/// Whether `o` lies on what goes on as high as `p` behind the gap at its wall `n`; `up` in the axes
+/// of `p`.
+fn is_bridged((p, o): (&Placed, &Placed), n: &Vec3, up: &Vec3) -> bool {
+    let level = |a: &&Across| a.wall == *n && (a.up - up).norm() < EVEN_EDGE;
+    let level = p.solid.across.iter().filter(level);
+    if level.clone().next().is_none() {
+        return false;
+    }
+    let (n, up) = (p.R * n, p.R * up);
+    let lies = |x: Vec3| {
+        let x = p.R.tr_mul(&(x - p.p));
+        level.clone().any(|a| a.sides.holds(&x, 0.0))
+    };
+    match o.core {
+        Core::Box { .. } | Core::Corners(_) => {
+            let places = || (0..).map_while(|i| place(o, &-up, i));
+            let least = places().fold(f64::INFINITY, |least, x| least.min(up.dot(&x)));
+            let lowest = || places().filter(|x| up.dot(x) < least + o.solid.blend);
+            lowest().count() > 2 && lowest().any(lies)
+        }
+        // On its rim, the place that is farthest beyond the gap.
+        Core::Cylinder { radius, half } => {
+            let upright = o.axis().dot(&up);
+            let side = |n: &Vec3| n - o.axis() * o.axis().dot(n);
+            let rim = side(&n).try_normalize(STRAIGHT).unwrap_or_default() * *radius;
+            let end = o.axis() * if upright > 0.0 { -half } else { *half };
+            radius * side(&up).norm() < o.solid.blend && lies(o.p + end + rim)
+        }
+        _ => false,
+    }
+}
+
 /// The direction between two solids, from `b` to `a`, where one of them has covered walls to which
 /// `n` leans.
 ///
@@ -112,7 +198,7 @@ fn is_covered(solid: &Solid, (n, height): Face, x: &Vec3) -> bool {
 pub(super) fn between(a: &Placed, b: &Placed, n: &Vec3, apart: &Apart) -> Option<Kept> {
     let radii = a.solid.radius + b.solid.radius;
     let of = |(p, o): (&Placed, &Placed), n: &Vec3, first| {
-        let outward = kept(p, n, &apart.middle)?;
+        let outward = kept((p, o), n, &apart.middle)?;
         let distance = separation(o, p, &outward);
         (distance >= apart.distance.min(radii) - p.solid.radius).then_some(Kept {
             first,
@@ -123,12 +209,14 @@ pub(super) fn between(a: &Placed, b: &Placed, n: &Vec3, apart: &Apart) -> Option
     of((b, a), n, false).or_else(|| of((a, b), &-n, true))
 }
 
-/// Whether a place is on the solid's own side of all its covered walls.
-fn is_over(p: &Placed, x: &Vec3) -> bool {
-    let x = p.R.tr_mul(&(x - p.p));
-    p.solid
-        .faces()
-        .all(|face| face.0.dot(&x) <= face.1 || !is_covered(p.solid, face, &x))
+/// Whether a place is on the solid's own side of all its walls that are covered, or bridged along
+/// `up` by `o`.
+fn is_over((p, o): (&Placed, &Placed), up: &Vec3, x: &Vec3) -> bool {
+    let (x, up) = (p.R.tr_mul(&(x - p.p)), p.R.tr_mul(up));
+    p.solid.faces().all(|face| {
+        let closed = || is_covered(p.solid, face, &x) || is_bridged((p, o), &face.0, &up);
+        face.0.dot(&x) <= face.1 || !closed()
+    })
 }
 
 /// The lowest places of a core: its corners, the ends of what is round, or its centre.
@@ -170,7 +258,7 @@ pub(super) fn lowest(
     let total: f64 = places().map(|x| weight(&x)).sum();
     for x in places() {
         let (share, gap) = (left * weight(&x) / total, gap + rise(&x));
-        if share > 0.0 && is_over(under, &x) {
+        if share > 0.0 && is_over((under, on), &up, &x) {
             let middle = x - up * (on.solid.radius + 0.5 * gap);
             points.add(0, point(middle, -gap, share));
         }
