@@ -21,6 +21,7 @@ mod compat;
 mod fill;
 mod fmu;
 pub mod keys;
+mod numbers;
 mod reader;
 mod section;
 mod sensor;

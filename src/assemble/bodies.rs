@@ -163,7 +163,8 @@ fn narrow_limits(model: &mut Model, findings: &mut Findings) {
         if m == 0.0 {
             if !(limits.lower..=limits.upper).contains(&o) {
                 let message = format!("{names} with multiplier 0 at {o}, outside its own limits");
-                findings.warning("A118", None, message, "the limits are not used");
+                let help = "the limits are not used: correct its offset or its limits";
+                findings.warning("A118", None, message, help);
             }
             continue;
         }
@@ -189,7 +190,8 @@ fn narrow_limits(model: &mut Model, findings: &mut Findings) {
         };
         if let Some(what) = excluded {
             let message = format!("{names}, but its limits {what}");
-            findings.warning("A118", None, message, "its limits are not used");
+            let help = "its limits are not used: correct its multiplier, its offset or its limits";
+            findings.warning("A118", None, message, help);
             continue;
         }
         let changed = own.is_none_or(|own| {

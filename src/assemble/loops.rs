@@ -418,17 +418,20 @@ pub(super) fn close(
     let bases: Vec<Vec3> = model.roots.iter().map(|root| root.position).collect();
     if let Some((index, gap)) = crate::initial::close_model(model, held) {
         let part = &model.loops[index];
-        let unit = if part.kind.ends().is_some() { " m" } else { "" };
-        let message = format!(
-            "loop '{}' cannot be closed: {:.3e}{unit} and {:.3e} rad are left",
-            part.name,
-            gap.distance,
+        let holds_links = part.kind.ends().is_some();
+        let (left, correct) = if holds_links {
             // Not "-0".
-            gap.angle.abs()
+            let left = format!("{:.3e} m and {:.3e} rad", gap.distance, gap.angle.abs());
+            (left, "its origins")
+        } else {
+            (format!("{:.3e}", gap.distance), "its factors and its sum")
+        };
+        let message = format!("loop '{}' cannot be closed: {left} are left", part.name);
+        let help = format!(
+            "correct {correct}, or let the robot start nearer to a closed pose ([initial] joints)"
         );
-        let help = "correct its origins, or let the robot start nearer to a closed pose ([initial] joints)";
         let place = places.get(index).cloned().flatten();
-        findings.error("A141", place, message, help);
+        findings.error("A141", place, message, &help);
         return;
     }
     if !tells {

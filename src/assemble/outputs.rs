@@ -124,12 +124,13 @@ fn group(model: &mut Model, settings: &GroupSettings, findings: &mut Findings) -
         let (message, help) = if let Some(group) = grouped {
             let message = format!("joint '{other}' is in group '{}' already", group.name);
             (message, "a joint takes one command")
+        } else if slides(a) != slides(first) {
+            // Before the mode, which would not be of use here.
+            let message = format!("of joints '{one}' and '{other}' one turns and one slides");
+            (message, "make a group of each")
         } else if model.actuators[a].mode != model.actuators[first].mode {
             let message = format!("joints '{one}' and '{other}' take different commands");
             (message, "give them one mode with [[actuator]]")
-        } else if slides(a) != slides(first) {
-            let message = format!("of joints '{one}' and '{other}' one turns and one slides");
-            (message, "make a group of each")
         } else if holds_position && start(a).to_bits() != start(first).to_bits() {
             let message = format!(
                 "joints '{one}' and '{other}' share a position, but start at {} and {}",

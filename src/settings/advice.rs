@@ -1,9 +1,13 @@
 //! What may have been meant by a key that does not exist, and by text that is no TOML.
 
-use super::keys;
+use super::keys::{self, Key, Takes};
 use crate::diagnostic::words::{called, nearest};
 use crate::range::number_or_ratio;
 use std::f64::consts::TAU;
+
+/// How the shapes of an object are written.
+pub(super) const SHAPES: &str = "shape = { box = [0.1, 0.1, 0.1] }, { sphere = 0.1 }, \
+     { cylinder = [0.1, 0.2] } or { capsule = [0.1, 0.2] }";
 
 /// A table as a file writes it.
 pub(super) fn shown(path: &str) -> String {
@@ -18,6 +22,10 @@ pub(super) fn shown(path: &str) -> String {
 /// What a table takes, where something else stands in its place.
 pub(super) fn table(path: &str) -> String {
     let known = keys::children(path);
+    if known == ["*"] && keys::find(&format!("{path}.*")).is_some() {
+        let name = path.rsplit_once('.').map_or(path, |(_, name)| name);
+        return format!("write {name} = {{ \"name or glob\" = 0.1 }}");
+    }
     if known == ["*"] {
         let header = shown(&format!("{path}.*"));
         return format!("write {header}, and below it the keys of one");
@@ -45,6 +53,35 @@ pub(super) fn quoted(name: &str, text: &str) -> String {
     } else {
         String::new()
     }
+}
+
+/// What a key of numbers is, with its unit, for findings that have no advice of their own: a range
+/// alone does not say what to write.
+pub(super) fn meaning(key: &Key) -> Option<String> {
+    let counts = matches!(key.takes, Takes::Count(_) | Takes::Version(_));
+    let numbers = counts || key.takes.range().is_some();
+    numbers.then(|| format!("what it is: {}", key.about))
+}
+
+/// How numbers in one text are written as a list, and how many they are.
+pub(super) fn list(name: &str, text: &str) -> Option<(String, usize)> {
+    let between = |c: char| c.is_whitespace() || ",;[]()".contains(c);
+    let words: Vec<&str> = text
+        .split(between)
+        .filter(|word| !word.is_empty())
+        .collect();
+    let number = |word: &&str| word.parse::<f64>().is_ok_and(f64::is_finite);
+    let list = format!("write {name} = [{}]", words.join(", "));
+    words.iter().all(number).then_some((list, words.len()))
+}
+
+/// How one name in place of a list is written, where some `words` may stand alone.
+pub(super) fn list_of(name: &str, one: &str, words: &[&str]) -> String {
+    let meant = nearest(one, words.iter().copied());
+    let word = meant.map(|word| format!("{name} = \"{word}\", or "));
+    let (word, all) = (word.unwrap_or_default(), !words.is_empty());
+    let all = if all { "; [\"*\"] means all" } else { "" };
+    format!("write {word}{name} = [\"{one}\"]{all}")
 }
 
 /// What to write in place of a number that is no count.
@@ -83,6 +120,13 @@ pub(super) fn noise_of(path: &str, name: &str) -> Option<String> {
     })
 }
 
+/// What to write in place of a key that the shape of an object does not have.
+pub(super) fn shape_of(path: &str, name: &str) -> Option<String> {
+    let is_shape = path == "world.object[].shape";
+    let meant = called(name, &keys::children(path));
+    (is_shape && meant.is_none()).then(|| format!("write {SHAPES}"))
+}
+
 /// The tables that have a key of this name.
 fn tables_of(name: &str) -> impl Iterator<Item = &'static str> {
     let pairs = keys::KEYS
@@ -93,11 +137,16 @@ fn tables_of(name: &str) -> impl Iterator<Item = &'static str> {
         .map(|(table, _)| table)
 }
 
-/// What a key may mean that is none of `known`.
+/// What a key in the table at `path` may mean that is none of `known`.
 ///
 /// - `unknown`: all such keys of its table: where a header is missing, they belong together
 /// - `is_table`: whether its value is one
-pub(super) fn key(name: &str, known: &[&str], unknown: &[&str], is_table: bool) -> String {
+pub(super) fn key(
+    path: &str,
+    name: &str,
+    (known, unknown): (&[&str], &[&str]),
+    is_table: bool,
+) -> String {
     let one_of_many = |known: &&&str| {
         known.strip_suffix('s') == Some(name) || name.strip_suffix('s') == Some(known)
     };
@@ -106,7 +155,13 @@ pub(super) fn key(name: &str, known: &[&str], unknown: &[&str], is_table: bool) 
     }
     let all = format!("known are {}", known.join(", "));
     if let Some(own) = called(name, known) {
-        return format!("did you mean '{own}'? {all}");
+        // The value is seldom that of the other name, such as true for a kind of base.
+        let takes = keys::find(&format!("{path}.{own}")).map(|key| key.takes);
+        let words = match takes {
+            Some(Takes::Word(words)) => format!("it takes {}; ", one_of(words)),
+            _ => String::new(),
+        };
+        return format!("did you mean '{own}'? {words}{all}");
     }
     // The same key in another table is likelier meant than another key here.
     let tables: Vec<&str> = tables_of(name).filter(|_| !is_table).collect();
@@ -191,6 +246,10 @@ pub(super) fn syntax(found: &str, (before, rest): (&str, &str), message: &str) -
         let help = "it stands twice: leave one out, or put all keys of a table below one header";
         return (message.to_owned(), help.to_owned());
     }
+    if rest.starts_with(',') && message.contains("newline") {
+        let help = "leave the comma out: each key stands on a line of its own";
+        return (message.to_owned(), help.to_owned());
+    }
     match word.to_lowercase().as_str() {
         "null" | "none" | "nil" => (
             format!("'{word}' is no value of TOML"),
@@ -239,6 +298,10 @@ fn habit(word: &str, message: &str) -> &'static str {
         "a name with signs in it stands in quotes, as in [joint.\"*\"]"
     } else if word.starts_with(':') {
         "a key and its value are joined by ="
+    } else if message.contains("carriage return") {
+        "save the file with the line ends of Unix or Windows"
+    } else if message.contains("unclosed") {
+        "write the bracket or the quotation mark that is missing"
     } else if word.starts_with(|c: char| c.is_ascii_digit() || ".,".contains(c))
         || number.iter().any(|number| message.contains(number))
     {

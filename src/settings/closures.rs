@@ -1,6 +1,6 @@
 //! `[[loop]]` and `[[spring]]`: closed loops, and springs between two points.
 
-use super::common::{patterns, some_required};
+use super::common::{patterns, some_required, two};
 use super::reader::Reader;
 use super::section::{Section, Value};
 use crate::diagnostic::Place;
@@ -246,7 +246,9 @@ fn links(reader: &mut Reader, section: &Section, table: &str) -> Option<[Pattern
 fn wrong_count(reader: &mut Reader, section: &Section, key: &str, what: &str) {
     let span = section.entry(key).map_or(0..0, |entry| entry.span.clone());
     let message = format!("'{key}' must be {what}");
-    reader.error("S104", &span, message, "");
+    let axes = || "axes = [[0, 1, 0], [0, 1, 0]]".to_owned();
+    let help = if key == "axes" { axes() } else { two(key) };
+    reader.error("S104", &span, message, help);
 }
 
 /// The axes of a hinge; none after an error.

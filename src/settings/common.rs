@@ -36,6 +36,8 @@ pub(super) fn some_required(
             let help = match key {
                 "urdf" => "urdf = \"a file of a robot\"".to_owned(),
                 "name" => "name = \"a name of your own\"".to_owned(),
+                "links" => two("links"),
+                "joints" if table == "loop" => two("joints"),
                 "joints" => "joints = [\"names or globs\"]".to_owned(),
                 _ => format!("{key} = \"a name or glob\""),
             };
@@ -43,6 +45,11 @@ pub(super) fn some_required(
         }
         None
     }
+}
+
+/// How two names are written, for what takes no globs.
+pub(super) fn two(key: &str) -> String {
+    format!("{key} = [\"a name\", \"another name\"]")
 }
 
 pub(super) fn pattern(reader: &Reader, text: String, span: &Span) -> Pattern {

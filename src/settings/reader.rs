@@ -6,15 +6,13 @@ use super::advice;
 use super::compat::Compat;
 use super::keys::{self, Key, Takes};
 use super::section::{Entry, Node, Section, Span, Value, whole};
-use crate::diagnostic::angles;
 use crate::diagnostic::words::did_you_mean;
 use crate::diagnostic::{Diagnostic, Place, Severity};
-use crate::range::{Range, number_or_ratio};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use toml::Spanned;
-use toml::de::{DeArray, DeTable, DeValue};
+use toml::de::{DeTable, DeValue};
 
 /// Values of keys that may be left out.
 impl Section {
@@ -147,6 +145,10 @@ impl<'a> Reader<'a> {
     pub(super) fn read(&mut self) -> Section {
         let (table, errors) = DeTable::parse_recoverable(self.text);
         for error in &errors {
+            // A file of such line ends has one for each line.
+            if error.message().contains("carriage return") && !self.findings.is_empty() {
+                continue;
+            }
             let span = error.span().unwrap_or(0..0);
             let found = self.text.get(span.clone()).unwrap_or_default();
             let rest = self.text.get(span.start..).unwrap_or_default();
@@ -181,7 +183,8 @@ impl<'a> Reader<'a> {
                 let is_table = value.get_ref().is_table();
                 let message = format!("unknown key '{text}' in {}", advice::shown(path));
                 let help = advice::noise_of(path, text)
-                    .unwrap_or_else(|| advice::key(text, &known, &unknown, is_table));
+                    .or_else(|| advice::shape_of(path, text))
+                    .unwrap_or_else(|| advice::key(path, text, (&known, &unknown), is_table));
                 self.error("S102", &name.span(), message, help);
                 section.rejected.push(text.to_owned());
                 continue;
@@ -234,7 +237,7 @@ impl<'a> Reader<'a> {
         Some(Node::Tables(sections))
     }
 
-    fn wrong_type(&mut self, name: &str, expected: &str, value: &Spanned<DeValue>) {
+    pub(super) fn wrong_type(&mut self, name: &str, expected: &str, value: &Spanned<DeValue>) {
         let help = value
             .get_ref()
             .as_str()
@@ -242,7 +245,7 @@ impl<'a> Reader<'a> {
         self.wrong_type_with(name, expected, value, &help.unwrap_or_default());
     }
 
-    fn wrong_type_with(
+    pub(super) fn wrong_type_with(
         &mut self,
         name: &str,
         expected: &str,
@@ -258,6 +261,15 @@ impl<'a> Reader<'a> {
     }
 
     fn value(&mut self, key: &Key, name: &str, value: &Spanned<DeValue>) -> Option<Value> {
+        let told = self.findings.len();
+        let read = self.checked(key, name, value);
+        for finding in &mut self.findings[told..] {
+            finding.help = finding.help.take().or_else(|| advice::meaning(key));
+        }
+        read
+    }
+
+    fn checked(&mut self, key: &Key, name: &str, value: &Spanned<DeValue>) -> Option<Value> {
         match key.takes {
             Takes::Number(range) | Takes::NumberOrRatio(range) => {
                 let ratio = matches!(key.takes, Takes::NumberOrRatio(_));
@@ -342,30 +354,6 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Lists of three numbers each, one after the other.
-    fn vectors(
-        &mut self,
-        name: &str,
-        count: usize,
-        range: Range,
-        value: &Spanned<DeValue>,
-    ) -> Option<Value> {
-        let rows = value.get_ref().as_array();
-        let Some(rows) = rows.filter(|rows| rows.len() == count) else {
-            let expected = format!("a list of {count} lists of three numbers");
-            self.wrong_type(name, &expected, value);
-            return None;
-        };
-        let rows = rows.iter().map(|row| {
-            let Some(Value::Numbers(numbers)) = self.numbers(name, (3, 3), range, row) else {
-                return None;
-            };
-            Some(numbers)
-        });
-        let rows: Option<Vec<Vec<f64>>> = rows.collect();
-        Some(Value::Numbers(rows?.concat()))
-    }
-
     fn word(
         &mut self,
         name: &str,
@@ -395,12 +383,18 @@ impl<'a> Reader<'a> {
         if !words.is_empty() {
             expected = format!("{} or {expected}", advice::one_of(words));
         }
-        if let (Some(word), false) = (value.get_ref().as_str(), words.is_empty()) {
-            return self.word(name, words, word, value);
+        let alone = value.get_ref().as_str();
+        if let Some(word) = alone.filter(|word| words.contains(word)) {
+            return Some(Value::Word(word.to_owned()));
+        }
+        if let (Some(one), false) = (alone, words.is_empty()) {
+            let message = format!("'{name}' must be {expected}, not '{one}'");
+            let help = advice::list_of(name, one, words);
+            self.error("S104", &value.span(), message, help);
+            return None;
         }
         let Some(array) = value.get_ref().as_array() else {
-            let one = value.get_ref().as_str();
-            let help = one.map_or_else(String::new, |one| format!("write {name} = [\"{one}\"]"));
+            let help = alone.map_or_else(String::new, |one| advice::list_of(name, one, words));
             self.wrong_type_with(name, &expected, value, &help);
             return None;
         };
@@ -413,86 +407,5 @@ impl<'a> Reader<'a> {
             }
         }
         (texts.len() == array.len()).then_some(Value::Texts(texts))
-    }
-
-    fn numbers(
-        &mut self,
-        name: &str,
-        (least, most): (usize, usize),
-        range: Range,
-        value: &Spanned<DeValue>,
-    ) -> Option<Value> {
-        let fits = |array: &&DeArray| (least..=most).contains(&array.len());
-        let Some(array) = value.get_ref().as_array().filter(fits) else {
-            let count = if least == most {
-                format!("{least}")
-            } else {
-                format!("{least} or {most}")
-            };
-            let found = value.get_ref();
-            let message = match found.as_array() {
-                Some(array) => format!("'{name}' must have {count} numbers, not {}", array.len()),
-                None => format!(
-                    "'{name}' must be a list of {count} numbers, not {} {}",
-                    advice::article(found.type_str()),
-                    found.type_str()
-                ),
-            };
-            self.error("S103", &value.span(), message, "");
-            return None;
-        };
-        let numbers: Vec<_> = array
-            .iter()
-            .filter_map(|element| self.number(name, range, false, element))
-            .collect();
-        if let (true, Some(message)) = (name == "rpy", angles::attitude("'rpy'", &numbers)) {
-            self.error("S104", &value.span(), message, angles::HELP);
-            return None;
-        }
-        (numbers.len() == array.len()).then_some(Value::Numbers(numbers))
-    }
-
-    fn number(
-        &mut self,
-        name: &str,
-        range: Range,
-        ratio: bool,
-        value: &Spanned<DeValue>,
-    ) -> Option<f64> {
-        let number = match value.get_ref() {
-            DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
-            // An integer beyond 2^63 is no quantity of a robot.
-            #[expect(
-                clippy::cast_precision_loss,
-                reason = "a quantity, not a count: rounding to the nearest is what a float key means"
-            )]
-            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
-                .ok()
-                .map(|integer| integer as f64),
-            DeValue::String(text) if ratio => {
-                let number = number_or_ratio(text);
-                if number.is_none() {
-                    let message = format!("'{name}' must be a number or a text like \"1/240\"");
-                    self.error("S104", &value.span(), message, "");
-                    return None;
-                }
-                number
-            }
-            _ => {
-                self.wrong_type(name, "a number", value);
-                return None;
-            }
-        };
-        match number {
-            Some(number) if range.contains(number) => Some(number),
-            _ => {
-                let span = value.span();
-                let given = self.text.get(span.clone()).unwrap_or_default();
-                let message = format!("'{name}' must be {}, not {given}", range.expected());
-                let help = number.map(|number| advice::angle(name, number));
-                self.error("S104", &span, message, help.unwrap_or_default());
-                None
-            }
-        }
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Files are named here and read by whoever builds the world.
 
+use super::advice::SHAPES;
 use super::common::{file, place, required, vector};
 use super::reader::Reader;
 use super::section::Section;
@@ -37,40 +38,40 @@ pub(super) fn things(
     reader: &mut Reader,
     section: &Section,
 ) -> (Vec<RobotSettings>, Vec<ObjectSettings>) {
-    let robots: Vec<_> = section
+    let mut robots: Vec<_> = section
         .tables("robot")
         .iter()
         .filter_map(|section| robot(reader, section))
         .collect();
     let terrain = terrain::terrain(reader, section);
-    let objects: Vec<_> = section
+    let mut objects: Vec<_> = section
         .tables("object")
         .iter()
         .filter_map(|section| object(reader, section))
         .chain(terrain)
         .collect();
-    let names = robots.iter().map(|robot| &robot.name);
-    check_names(
-        reader,
-        names.chain(objects.iter().filter_map(|o| o.name.as_ref())),
-    );
+    let mut before = Vec::new();
+    // A second thing of one name is left out, so that nothing follows from it: it has been told.
+    let mut own = |name: &Pattern| has_name(reader, name, &mut before);
+    robots.retain(|robot| own(&robot.name));
+    objects.retain(|object| object.name.as_ref().is_none_or(&mut own));
     (robots, objects)
 }
 
-fn check_names<'n>(reader: &mut Reader, names: impl Iterator<Item = &'n Pattern>) {
-    let mut before: Vec<&str> = Vec::new();
-    for name in names {
-        let text = &name.text;
-        if is_taken(text, []) {
-            let message = format!("'{text}' is the name of a group of variables");
-            let help = format!("give it another one, such as '{text}1'");
-            reader.error_at("S106", name.place.clone(), message, help);
-        } else if is_taken(text, before.iter().copied()) {
-            let message = format!("a second thing in the world is named '{text}'");
-            reader.error_at("S106", name.place.clone(), message, "give it another name");
-        }
-        before.push(text);
+/// Whether a thing has a name of its own, which is then one of those `before`.
+fn has_name(reader: &mut Reader, name: &Pattern, before: &mut Vec<String>) -> bool {
+    let text = &name.text;
+    let free = !is_taken(text, before.iter().map(String::as_str));
+    if is_taken(text, []) {
+        let message = format!("'{text}' is the name of a group of variables");
+        let help = format!("give it another one, such as '{text}1'");
+        reader.error_at("S106", name.place.clone(), message, help);
+    } else if !free {
+        let message = format!("a second thing in the world is named '{text}'");
+        reader.error_at("S106", name.place.clone(), message, "give it another name");
     }
+    before.push(text.clone());
+    free
 }
 
 fn robot(reader: &mut Reader, section: &Section) -> Option<RobotSettings> {
@@ -227,7 +228,7 @@ fn source(
         (None, None) => {
             if !rejected("urdf") && !rejected("shape") {
                 let message = "[[world.object]] needs 'urdf' or 'shape'";
-                let help = "urdf = \"a file\", or shape = { box = [0.1, 0.1, 0.1] }, { sphere = 0.1 }, { cylinder = [0.1, 0.2] } or { capsule = [0.1, 0.2] }";
+                let help = format!("urdf = \"a file\", or {SHAPES}");
                 reader.error("S107", &section.span, message, help);
             }
             None

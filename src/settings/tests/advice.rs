@@ -81,7 +81,7 @@ fn numbers_and_flags_in_quotes_are_told_how_they_are_written() {
         ),
         (
             "world.gravity = [0, 0, \"-9.81\"]",
-            "write gravity = -9.81, without quotes",
+            "write -9.81, without quotes",
         ),
         (
             "robot.self_collision = \"yes\"",
@@ -91,7 +91,11 @@ fn numbers_and_flags_in_quotes_are_told_how_they_are_written() {
         let help = finding(text).help.unwrap_or_default();
         assert!(help.contains(advice), "{text}: {help}");
     }
-    assert_eq!(finding("robot.scale = \"mm\"").help, None);
+    let help = finding("robot.scale = \"mm\"").help.unwrap_or_default();
+    assert!(
+        help.starts_with("what it is: every length times this"),
+        "{help}"
+    );
 }
 
 /// `urdf2fmu init robot.urdf > robot.toml` in Windows PowerShell.
@@ -295,4 +299,114 @@ fn the_name_of_a_joint_is_its_joint() {
     let help = unknown.and_then(|found| found.help.as_deref());
     let told = help.is_some_and(|help| help.starts_with("did you mean 'joint'?"));
     assert!(told, "{found:?}");
+}
+
+/// What the advice says is written, and the same is not refused again.
+#[test]
+fn advice_for_settings_can_be_followed_as_it_stands() {
+    let cases = [
+        // A value, the advice, and what it leads to, which may lack other keys alone.
+        (
+            "[initial]\njoints = [0.1, 0.2]",
+            "joints = { \"name or glob\" = 0.1 }",
+        ),
+        (
+            "[robot]\nfixed_base = true",
+            "it takes \"auto\" or \"floating\" or \"fixed\"",
+        ),
+        (
+            "[outputs]\ncontacts = \"hand\"",
+            "write contacts = [\"hand\"]; [\"*\"] means all",
+        ),
+        (
+            "[outputs]\ncontacts = \"non\"",
+            "write contacts = \"none\", or contacts = [\"non\"]",
+        ),
+        (
+            "[world]\ngravity = \"0 0 -9.81\"",
+            "write gravity = [0, 0, -9.81]",
+        ),
+        ("[world]\ngravity = -9.81", "what it is: m/s²"),
+        ("[contact]\ndamping = 10", "'dissipation'"),
+        ("[fmu]\ninterface = \"co-simulation\"", "'cs'"),
+        (
+            "[fmu]\nfmi = 3.0",
+            "what it is: version of the Functional Mock-up Interface: 2",
+        ),
+        (
+            "[solver]\nstep_size = 240",
+            "what it is: s; 0: error controlled",
+        ),
+        (
+            "[[world.object]]\nname = \"a\"\nshape = { cylinder = [1, 2, 3] }",
+            "radius and length",
+        ),
+        (
+            "[[world.object]]\nname = \"a\"\nshape = { sphere = 1 }\nmass = 0",
+            "is static or driven",
+        ),
+        (
+            "[[world.object]]\nname = \"a\"\nshape = { type = \"box\" }",
+            "shape = { box = [",
+        ),
+        (
+            "[[spring]]\nstiffness = 1",
+            "links = [\"a name\", \"another name\"]",
+        ),
+        (
+            "[[loop]]\ntype = \"gear\"\nratio = 2",
+            "joints = [\"a name\", \"another name\"]",
+        ),
+        (
+            "[[loop]]\ntype = \"ball\"\nlinks = [\"a\"]",
+            "links = [\"a name\", \"another name\"]",
+        ),
+        (
+            "[[loop]]\ntype = \"hinge\"\nlinks = [\"a\", \"b\"]\naxes = [[0, 0, 0], [0, 1, 0]]",
+            "axes =",
+        ),
+        (
+            "[[spring]]\nlinks = [\"a\", \"b\"]\nstiffness = 1\nrest_length = 1",
+            "'length'",
+        ),
+        (
+            "[robot]\nbase = \"fixed\",\nscale = 1",
+            "leave the comma out",
+        ),
+        (
+            "[world]\ngravity = [0, 0, -9.81\n",
+            "the bracket or the quotation mark",
+        ),
+        ("[robot]\rscale = 1\r", "line ends of Unix or Windows"),
+    ];
+    for (text, part) in cases {
+        let found = Settings::parse(text, "robot.toml").expect_err(text);
+        let advice = found.iter().filter_map(|f| f.help.as_deref());
+        assert_eq!(
+            advice.filter(|h| h.contains(part)).count(),
+            1,
+            "{text}: {found:?}"
+        );
+    }
+    for text in [
+        "[initial]\njoints = { \"name or glob\" = 0.1 }",
+        "[outputs]\ncontacts = [\"hand\"]",
+        "[world]\ngravity = [0, 0, -9.81]",
+        "[[spring]]\nstiffness = 1\nlinks = [\"a name\", \"another name\"]",
+        "[[loop]]\ntype = \"gear\"\nratio = 2\njoints = [\"a name\", \"another name\"]",
+    ] {
+        Settings::parse(text, "robot.toml").expect(text);
+    }
+}
+
+/// A second thing of one name is told once, and nothing follows from it.
+#[test]
+fn a_second_thing_of_one_name_is_left_out_of_the_world() {
+    let object = "[[world.object]]\nname = \"a\"\nshape = { sphere = 1 }\nmass = 1\n";
+    let found = Settings::parse(&object.repeat(2), "robot.toml").expect_err("two of one name");
+    assert_eq!(found.len(), 1, "{found:?}");
+    let text = object.repeat(2);
+    let mut reader = Reader::new("robot.toml", &text);
+    let root = reader.read();
+    assert_eq!(fill(&mut reader, &root, None).objects.len(), 1);
 }
