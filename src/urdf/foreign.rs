@@ -219,6 +219,8 @@ fn gazebo(
         scope
             .report
             .warning("U021", attribute.at.clone(), message, help);
+        // Nothing of it is read.
+        return;
     }
     let (mut mu, mut mu2) = (None, None);
     for child in node.children() {

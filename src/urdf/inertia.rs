@@ -41,6 +41,21 @@ pub(super) fn known_attributes(scope: &mut Scope, node: Node) {
     }
 }
 
+/// The number of the other half of the matrix, with its name, where the first half lacks `name`.
+pub(super) fn mirrored(
+    scope: &mut Scope,
+    node: Node,
+    name: &'static str,
+) -> Option<(&'static str, f64)> {
+    let (second, _) = MIRRORED.into_iter().find(|(_, first)| *first == name)?;
+    let at = node.attribute(second)?.at.clone();
+    let number = scope.number(node, second)?;
+    let message = format!("<inertia> has no {name}: {second} is used, the same by symmetry");
+    let help = format!("write {name}, which is the name in URDF");
+    scope.warning("U063", at, &message, &help);
+    Some((second, number))
+}
+
 /// Part of the largest principal moment below which a negative moment is round-off: files are
 /// printed with six digits.
 const ROUND_OFF: f64 = 1e-5;

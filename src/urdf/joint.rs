@@ -367,6 +367,13 @@ fn mimic<'d>(scope: &mut Scope, node: Node<'d>, kind: JointKind) -> Option<Check
     scope.leaf(child, &["joint", "multiplier", "offset"]);
     let multiplier = scope.number(child, "multiplier");
     let multiplier = multiplier.and_then(|m| scope.within(child, "multiplier", m, Physical::Ratio));
+    if multiplier == Some(0.0)
+        && let Some(attribute) = child.attribute("multiplier")
+    {
+        let message = "<mimic> multiplier is 0: the joint stays where its offset is";
+        let help = "leave multiplier out for 1, or use type=\"fixed\"";
+        scope.warning("U033", attribute.at.clone(), message, help);
+    }
     let offset = scope.number(child, "offset");
     let offset = offset.and_then(|o| scope.within(child, "offset", o, Physical::Position));
     let Some(joint) = child.attribute("joint") else {

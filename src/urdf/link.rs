@@ -134,6 +134,9 @@ fn moments(scope: &mut Scope, i: Node) -> [Option<f64>; 6] {
             return scope.within(i, name, moment, Physical::Inertia);
         }
         if i.attribute(name).is_none() {
+            if let Some(mirrored) = inertia::mirrored(scope, i, name) {
+                return scope.within(i, mirrored.0, mirrored.1, Physical::Inertia);
+            }
             let message = format!("<inertia> has no {name}");
             scope.warning("U063", i.tag_at(), &message, "0 is used");
             return Some(0.0);

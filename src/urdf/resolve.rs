@@ -104,6 +104,7 @@ impl<'o> Resolver<'o> {
         // Windows tools write backslashes.
         let name = name.trim().replace('\\', "/");
         let (candidates, advice) = self.candidates(&name);
+        let unusual = not_found::unusual(&name);
         let package = candidates.iter().find(|c| c.sure);
         let package = package.and_then(|c| c.package.as_deref());
         let mut outside = None;
@@ -160,6 +161,9 @@ impl<'o> Resolver<'o> {
         };
         let apart = |c: &Candidate| !self.holds(&normal(&tidy(&c.path)), c.package.as_deref());
         let first = candidates.first().filter(|_| candidates.iter().all(apart));
+        // Nor does a file come to such a place by what is said of other ones.
+        let first = first.filter(|_| unusual.is_none());
+        let advice = unusual.unwrap_or(advice);
         let advice = first.map_or(advice.clone(), |c| {
             not_found::outside(&tidy(&c.path), &advice)
         });

@@ -37,6 +37,17 @@ const USED: [&str; 4] = [
     "virtual_joint",
 ];
 
+/// Tags of SRDF that say nothing about motion.
+const OTHERS: [&str; 7] = [
+    "disable_default_collisions",
+    "enable_collisions",
+    "end_effector",
+    "group",
+    "joint_property",
+    "link_sphere_approximation",
+    "property",
+];
+
 /// What an SRDF says.
 #[derive(Clone, Debug, Default)]
 pub struct Semantics {
@@ -111,6 +122,12 @@ pub fn read_srdf_str(
     }
     let failed = report.has_errors();
     semantics.diagnostics = report.finish();
+    // The reader of XML speaks of the file that it mostly reads.
+    let helps = semantics
+        .diagnostics
+        .iter_mut()
+        .filter_map(|d| d.help.as_mut());
+    helps.for_each(|help| *help = help.replace("a URDF starts", "an SRDF starts"));
     if failed {
         Err(semantics.diagnostics)
     } else {
@@ -173,8 +190,14 @@ impl<'r, 't> Reader<'r, 't> {
             if name.starts_with("xacro:") {
                 let help = "expand it first: urdf2fmu expand robot.srdf.xacro > robot.srdf";
                 self.report.warning("R101", at, message, help);
-            } else {
+                continue;
+            }
+            let meant = Some(name).filter(|name| !OTHERS.contains(name));
+            let help = meant.map_or_else(String::new, |name| did_you_mean(name, USED));
+            if help.is_empty() {
                 self.report.note("R106", at, message, "");
+            } else {
+                self.report.warning("R106", at, message, help);
             }
         }
     }
@@ -318,8 +341,17 @@ impl<'r, 't> Reader<'r, 't> {
     ) {
         for state in root.children_named("group_state") {
             let Some(name) = state.value("name") else {
+                let message =
+                    "<group_state> has no name, by which --initial-state could ask for it";
+                let help = "write <group_state name=\"…\" group=\"…\">";
+                self.report.warning("R104", state.tag_at(), message, help);
                 continue;
             };
+            for node in state.children().filter(|node| node.name() != "joint") {
+                let message = format!("<{}> of state '{name}' is not used", node.name());
+                let help = "a position is <joint name=\"…\" value=\"…\"/>";
+                self.report.warning("R106", node.tag_at(), message, help);
+            }
             if !semantics.states.iter().any(|known| known == name) {
                 semantics.states.push(name.to_owned());
             }
@@ -348,7 +380,7 @@ impl<'r, 't> Reader<'r, 't> {
             let message = format!("there is no state '{wanted}'");
             let known = &semantics.states;
             let help = if known.is_empty() {
-                "the file has no <group_state>".to_owned()
+                "the file has no <group_state> with a name".to_owned()
             } else {
                 format!("it has {}", known.join(", "))
             };
@@ -395,9 +427,20 @@ impl<'r, 't> Reader<'r, 't> {
                     joint.name, limits.lower, limits.upper
                 );
                 let help = format!("the nearest possible one, {inside}, is taken");
-                self.report.warning("R105", at, message, help);
+                self.report.warning("R105", at.clone(), message, help);
             }
             position = inside;
+        }
+        let twice = |(before, other): &(Pattern, f64)| {
+            before.text == pattern.text && other.to_bits() != position.to_bits()
+        };
+        if let Some((_, other)) = semantics.positions.iter().find(|p| twice(p)) {
+            let message = format!(
+                "joint '{}' has the position {position} here and {other} before: the last one holds",
+                joint.name
+            );
+            let help = "leave one of them out";
+            self.report.warning("R105", at, message, help);
         }
         // The last one of a joint holds, as in settings.
         semantics.positions.push((pattern, position));

@@ -53,6 +53,45 @@ pub(super) fn same_name(path: &Path) -> String {
     )
 }
 
+/// Advice on a name of a form that means no file here, whatever lies in the folders.
+pub(super) fn unusual(name: &str) -> Option<String> {
+    let file = name.rsplit('/').next().unwrap_or_default();
+    let beside = format!("put the file beside the URDF, and write filename=\"{file}\"");
+    let address = name.strip_prefix("file://");
+    let path = address
+        .or_else(|| name.strip_prefix("file:"))
+        .unwrap_or(name);
+    let mut letters = path.trim_start_matches('/').chars();
+    let drive = letters.next().is_some_and(|c| c.is_ascii_alphabetic());
+    let drive = drive && letters.next() == Some(':') && letters.next() == Some('/');
+    if drive && !cfg!(windows) {
+        return Some(format!("that is a path of a Windows machine: {beside}"));
+    }
+    if path.starts_with(['~', '$', '%']) && path.contains('/') && !name.contains("$(") {
+        let start = path.split('/').next().unwrap_or_default();
+        return Some(format!("'{start}' is not replaced here: {beside}"));
+    }
+    let scheme = ["package", "model"].into_iter().find_map(|scheme| {
+        let rest = name.strip_prefix(scheme)?.strip_prefix(":")?;
+        Some((scheme, rest))
+    });
+    let (scheme, rest) = scheme?;
+    let inside = rest.trim_start_matches('/');
+    let parts = inside.split('/').filter(|part| !part.is_empty()).count();
+    if parts < 2 {
+        let package = if inside.is_empty() {
+            "NAME"
+        } else {
+            inside.trim_end_matches('/')
+        };
+        let message = "that names no file of a package";
+        return Some(format!(
+            "{message}: write {scheme}://{package}/ and the file's path in it"
+        ));
+    }
+    (!rest.starts_with("//")).then(|| format!("write two slashes: {scheme}://{inside}"))
+}
+
 /// Advice on a package that was not found.
 ///
 /// - `cut_short`: a folder that has more than was looked at

@@ -162,6 +162,47 @@ fn a_missing_mesh_lists_every_place_searched_and_advice() {
     assert!(missing("$(find arm)/a.stl").help().contains("xacro"));
 }
 
+/// A relative name's advice, or that of a file outside, would not help with these.
+#[test]
+fn names_of_other_machines_shells_and_schemes_are_told_as_such() {
+    let options = ReadOptions::default();
+    let resolver = Resolver::new(Path::new("/none/urdf"), &options, None);
+    for (name, told) in [
+        (
+            r"C:\Users\me\a.stl",
+            "Windows machine: put the file beside the URDF",
+        ),
+        ("file:///C:/Users/me/a.stl", "write filename=\"a.stl\""),
+        ("~/meshes/a.stl", "'~' is not replaced here"),
+        ("$HOME/a.stl", "'$HOME' is not replaced here"),
+        ("file://~/a.stl", "not replaced here"),
+        (
+            "package:/arm/a.stl",
+            "write two slashes: package://arm/a.stl",
+        ),
+        (
+            "package://",
+            "write package://NAME/ and the file's path in it",
+        ),
+        (
+            "package://arm",
+            "write package://arm/ and the file's path in it",
+        ),
+    ] {
+        let Err(Missing::NotFound(missing)) = resolver.find(name) else {
+            panic!("{name} was found");
+        };
+        let help = missing.help();
+        // A drive is one on Windows.
+        assert!(
+            help.contains(told) || cfg!(windows) && name.contains("C:"),
+            "{name}: {help}"
+        );
+        assert!(!help.contains("a relative name counts"), "{name}: {help}");
+        assert!(!help.contains("--package"), "{name}: {help}");
+    }
+}
+
 #[test]
 fn a_file_outside_of_the_robot_s_folders_is_not_taken() {
     let folder = Folder::new(

@@ -208,3 +208,65 @@ fn a_virtual_joint_says_how_the_base_is_joined_to_the_world() {
         assert!(found.message.contains(part), "{}", found.message);
     }
 }
+
+/// Slips by which positions of a state were lost without a word, or told as what they are not.
+#[test]
+fn slips_in_a_state_are_told_where_they_stand() {
+    let state = |inner: &str| format!("<robot name=\"r\">\n{inner}\n</robot>");
+    let named = |inner: &str| state(&format!("<group_state name=\"home\">{inner}</group_state>"));
+    for (text, code, part, help) in [
+        (
+            named("<joints name=\"elbow\" value=\"0.5\"/>"),
+            "R106",
+            "<joints> of state 'home' is not used",
+            "<joint name=",
+        ),
+        (
+            named("<joint name=\"elbow\" value=\"0.5\"/><joint name=\"elbow\" value=\"1\"/>"),
+            "R105",
+            "has the position 1 here and 0.5 before",
+            "leave one",
+        ),
+        (
+            state("<group_state group=\"arm\"><joint name=\"elbow\" value=\"0.5\"/></group_state>"),
+            "R104",
+            "<group_state> has no name",
+            "name=",
+        ),
+        (
+            state("<group_stat name=\"home\"/>"),
+            "R106",
+            "<group_stat> is not used",
+            "did you mean 'group_state'?",
+        ),
+    ] {
+        let read = read_srdf_str(&text, "r.srdf", Some("home"), &robot());
+        let found = read.map_or_else(|found| found, |read| read.diagnostics);
+        let told = found
+            .iter()
+            .find(|d| d.code == code && d.message.contains(part));
+        let told = told.unwrap_or_else(|| panic!("{text}: {found:?}"));
+        assert_eq!(told.severity, Severity::Warning);
+        assert_eq!(told.place.as_ref().map(|p| p.line), Some(2), "{told:?}");
+        assert!(
+            told.help.as_deref().is_some_and(|h| h.contains(help)),
+            "{told:?}"
+        );
+    }
+    for other in OTHERS {
+        let read = read_srdf_str(&state(&format!("<{other}/>")), "r.srdf", None, &robot());
+        let found = read.expect("what is not used").diagnostics;
+        assert!(
+            found.iter().all(|d| d.severity == Severity::Note),
+            "{found:?}"
+        );
+    }
+    let found = read_srdf_str("", "r.srdf", None, &robot()).expect_err("an empty file");
+    assert!(
+        found[0]
+            .help
+            .as_deref()
+            .is_some_and(|h| h.starts_with("an SRDF")),
+        "{found:?}"
+    );
+}
