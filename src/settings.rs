@@ -60,6 +60,14 @@ impl Default for Settings {
     }
 }
 
+/// What to do about a file of settings that cannot be read.
+fn unread(error: &std::io::Error) -> &'static str {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "correct the name of the file",
+        _ => "the settings are a TOML file in UTF-8",
+    }
+}
+
 impl Settings {
     /// What an empty file means under the conventions of another simulator.
     pub fn of(compat: Compat) -> Self {
@@ -115,7 +123,7 @@ impl Settings {
                     message: format!("cannot read the settings '{name}': {error}"),
                     help: Some(instead_of(path, &error))
                         .filter(|help| !help.is_empty())
-                        .or(Some("the settings are a TOML file in UTF-8".to_owned())),
+                        .or_else(|| Some(unread(&error).to_owned())),
                     place: None,
                 };
                 (None, vec![finding])

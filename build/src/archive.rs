@@ -72,7 +72,7 @@ pub enum ArchiveError {
         source: zip::result::ZipError,
     },
     /// The zip was refused.
-    #[error("'{}' is not a readable FMU: {source}", path.display())]
+    #[error("'{}' is not a readable FMU: {}; {AGAIN}", path.display(), unreadable(path, source))]
     Unpack {
         /// The file.
         path: PathBuf,
@@ -88,7 +88,7 @@ pub enum ArchiveError {
         hint: String,
     },
     /// Its files could not be read or written.
-    #[error("cannot unpack '{}' into '{}': {source}", path.display(), folder.display())]
+    #[error("cannot unpack '{}' into '{}': {source}{}", path.display(), folder.display(), remedy(source))]
     Extract {
         /// The zip.
         path: PathBuf,
@@ -117,6 +117,35 @@ pub enum ArchiveError {
         /// Why.
         source: std::io::Error,
     },
+}
+
+/// What to do about an FMU that is not whole.
+const AGAIN: &str = "copy or download it once more, or export it again";
+
+/// What is wrong with a zip.
+fn unreadable(path: &Path, source: &zip::result::ZipError) -> String {
+    let empty = std::fs::metadata(path).is_ok_and(|file| file.len() == 0);
+    match source {
+        _ if empty => "it is empty".to_owned(),
+        // What a zip ends with.
+        zip::result::ZipError::InvalidArchive(why) if why.contains("EOCD") => {
+            "it is cut short, or no zip archive".to_owned()
+        }
+        other => other.to_string(),
+    }
+}
+
+/// What to do where a zip cannot be unpacked.
+fn remedy(source: &std::io::Error) -> String {
+    use std::io::ErrorKind::{FileTooLarge, InvalidData, Other, StorageFull, UnexpectedEof};
+    match source.kind() {
+        InvalidData | Other | UnexpectedEof => format!("; the FMU is damaged: {AGAIN}"),
+        FileTooLarge | StorageFull => {
+            let variable = if cfg!(windows) { "TMP" } else { "TMPDIR" };
+            format!("; make room, or name a folder with more in the variable {variable}")
+        }
+        _ => String::new(),
+    }
 }
 
 impl Archive {

@@ -1,6 +1,7 @@
 //! The command line and its options. [`crate::commands`] executes it.
 
 mod given;
+mod meant;
 mod object;
 mod packing;
 mod request;
@@ -8,14 +9,15 @@ mod texts;
 mod values;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+pub(crate) use meant::instead;
 pub(crate) use packing::Packing;
 use std::path::PathBuf;
 pub(crate) use texts::{Expand, Explain};
 use urdf2fmu_core::settings::ObjectSettings;
 use urdf2fmu_drawing::picture::{self, Look, Toward};
 use values::{
-    ArrayStyle, InterfaceChoice, density, factor, mass, package, place, rate, seconds, size, speed,
-    tolerance, xacro_argument,
+    ArrayStyle, InterfaceChoice, density, factor, folder, mass, package, place, rate, seconds,
+    size, speed, tolerance, xacro_argument,
 };
 
 /// Any URDF robot in, a self-contained FMI co-simulation FMU out.
@@ -121,7 +123,7 @@ pub(crate) struct Source {
     #[arg(long, value_name = "NAME", requires = "srdf")]
     pub(crate) initial_state: Option<String>,
     /// Folder to look in for `package://`; may be repeated
-    #[arg(long = "package-path", value_name = "DIR")]
+    #[arg(long = "package-path", value_name = "DIR", value_parser = folder)]
     pub(crate) package_paths: Vec<PathBuf>,
     /// Folder of one package, for `package://NAME/…`; may be repeated
     #[arg(long = "package", value_name = "NAME=DIR", value_parser = package)]
@@ -271,7 +273,7 @@ pub(crate) struct Picture {
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) run: Option<PathBuf>,
     /// Pictures of the run a second
-    #[arg(long, value_name = "HZ", value_parser = rate, default_value = "20", allow_hyphen_values = true)]
+    #[arg(long, value_name = "HZ", value_parser = rate, default_value = "20", allow_hyphen_values = true, requires = "run")]
     pub(crate) rate: f64,
     /// Width and height in pixels, or one number for both [default: 512, of a run 320x240]
     #[arg(long, value_name = "WxH", value_parser = size)]

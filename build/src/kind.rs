@@ -2,13 +2,39 @@
 
 use std::path::Path;
 
+/// What an FMU has at its top.
+const DESCRIPTION: &str = "modelDescription.xml";
+
+/// Whether a zip has at its top what an FMU has.
+fn holds_fmu(path: &Path) -> bool {
+    let zip = std::fs::File::open(path).map(zip::ZipArchive::new);
+    zip.is_ok_and(|zip| zip.is_ok_and(|zip| zip.index_for_name(DESCRIPTION).is_some()))
+}
+
+/// What a file is that cannot be an object of the world.
+pub fn no_object(path: &Path) -> Option<&'static str> {
+    let ending = path.extension();
+    let fmu = ending.is_some_and(|ending| ending.eq_ignore_ascii_case("fmu")) && path.is_file();
+    let fmu = fmu.then_some("an FMU: give the URDF that it was made from");
+    other_kind(path).or(fmu)
+}
+
 /// What a file is that is neither a robot nor an FMU, with what to do about it, if its name or its
 /// first bytes say so.
 pub fn other_kind(path: &Path) -> Option<&'static str> {
     use std::io::Read as _;
     const SRDF: &str = "an SRDF: give the URDF, and this one with --srdf";
+    if path.is_dir() && path.join(DESCRIPTION).is_file() {
+        return Some(
+            "an FMU that was unpacked: give the .fmu itself, or a zip of what is in this folder \
+             with that ending",
+        );
+    }
     if !path.is_file() {
         return None;
+    }
+    if path.file_name().is_some_and(|name| name == DESCRIPTION) {
+        return Some("a part of an FMU that was unpacked: give the .fmu itself");
     }
     let mut bytes = Vec::new();
     let read = std::fs::File::open(path).and_then(|file| file.take(512).read_to_end(&mut bytes));
@@ -25,6 +51,7 @@ pub fn other_kind(path: &Path) -> Option<&'static str> {
     Some(match ending.as_str() {
         "fmu" if zip || bytes.is_empty() => return None,
         "fmu" => "no FMU: an FMU is a zip archive, and this is none",
+        _ if zip && holds_fmu(path) => "an FMU without its ending: end its name with .fmu",
         _ if zip => {
             "a zip archive: an FMU has the ending .fmu, other archives are to be unpacked first"
         }

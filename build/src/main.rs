@@ -57,7 +57,7 @@ const UNWRITTEN: u8 = 1;
 fn main() -> ExitCode {
     let ended = match cli::Cli::try_parse() {
         Ok(cli) => commands::run(&cli),
-        Err(answer) => return usage(&answer),
+        Err(answer) => return usage(&cli::instead(answer)),
     };
     let Err(error) = ended else {
         return ExitCode::SUCCESS;

@@ -1,6 +1,6 @@
 //! Files of the world: the robot's, and those of further robots and objects.
 
-use crate::kind::other_kind;
+use crate::kind::no_object;
 use crate::{terrain, xacro};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::assemble::{self, Guest};
@@ -329,7 +329,7 @@ impl Surroundings {
         options: &ReadOptions,
         place: Option<&Place>,
     ) -> Option<Description> {
-        if let Some(kind) = other_kind(path) {
+        if let Some(kind) = no_object(path) {
             self.tell(vec![Diagnostic {
                 severity: Severity::Error,
                 code: "U007",

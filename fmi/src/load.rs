@@ -9,10 +9,15 @@ use crate::panics;
 use crate::snapshot::GuidHash;
 use crate::uri::{self, UriError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use urdf2fmu_core::prepared::{FILE_NAME, PreparedModel};
+use urdf2fmu_core::reading;
 use urdf2fmu_core::variables::table;
+
+/// Largest model that is read, bytes: what a file of an FMU may unpack to, as the command has it.
+/// A model of 2000 degrees of freedom takes a hundredth of it.
+const LARGEST_MODEL: u64 = 1 << 30;
 
 /// What `make` makes; otherwise the reason is logged as that of `function`.
 pub(crate) fn made(
@@ -91,6 +96,13 @@ pub(crate) fn load(
     ))
 }
 
+/// The text of a file of at most so many bytes.
+fn text(path: &Path, most: u64) -> std::io::Result<String> {
+    let bytes = reading::read(path, most)?;
+    let no_text = |_| std::io::Error::other("it is no text in UTF-8");
+    String::from_utf8(bytes).map_err(no_text)
+}
+
 /// The prepared model's text, from the first reading of `location` under which there is one.
 fn read(version: Version, location: &[u8]) -> Result<(PathBuf, String), InstantiateError> {
     let (argument, advice) = version.location();
@@ -102,7 +114,7 @@ fn read(version: Version, location: &[u8]) -> Result<(PathBuf, String), Instanti
     let mut first_error = None;
     for folder in uri::folders(location).map_err(nowhere)? {
         let path = folder.join(FILE_NAME);
-        match std::fs::read_to_string(&path) {
+        match text(&path, LARGEST_MODEL) {
             Ok(text) => return Ok((path, text)),
             Err(error) => {
                 let path = path.display().to_string();
@@ -115,4 +127,23 @@ fn read(version: Version, location: &[u8]) -> Result<(PathBuf, String), Instanti
         }
     }
     Err(first_error.unwrap_or_else(|| nowhere(UriError::Empty)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file of a broken FMU could take all memory of the host.
+    #[test]
+    fn a_model_larger_than_any_is_refused() {
+        let path = std::env::temp_dir().join(format!("urdf2fmu-load-{}", std::process::id()));
+        std::fs::write(&path, "{\"a\": 1}").expect("a file");
+        assert_eq!(text(&path, 8).expect("all of it"), "{\"a\": 1}");
+        let error = text(&path, 7).expect_err("too large").to_string();
+        assert_eq!(error, "it has more than 7 bytes");
+        std::fs::write(&path, [0xff]).expect("a file");
+        let error = text(&path, 7).expect_err("no text").to_string();
+        std::fs::remove_file(&path).expect("removed");
+        assert_eq!(error, "it is no text in UTF-8");
+    }
 }

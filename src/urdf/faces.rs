@@ -54,6 +54,8 @@ pub(super) enum MeshError {
     Line { line: usize, what: String },
     #[error("neither ASCII nor binary STL")]
     NotStl,
+    #[error("it begins as a .{0} file does")]
+    Misnamed(&'static str),
     #[error("{0}")]
     Collada(String),
     #[error("{0}")]
@@ -73,6 +75,7 @@ impl MeshError {
                 "fetch the files where the robot was cloned: git lfs install && git lfs pull"
                     .to_owned()
             }
+            Self::Misnamed(kind) => format!("end its name with .{kind}, in the URDF, too"),
             Self::Other(UTF_16) => "save it as UTF-8, or export the mesh again".to_owned(),
             Self::Other(_) => "put the mesh itself there".to_owned(),
             Self::NoFormat => "give the file its ending".to_owned(),
@@ -124,6 +127,25 @@ pub(super) fn other_kind(bytes: &[u8]) -> Option<&'static str> {
     } else {
         None
     }
+}
+
+/// Of which format a mesh is, by its first bytes, where its name has the ending of another one that
+/// cannot begin so.
+pub(super) fn misnamed(kind: &str, bytes: &[u8]) -> Option<&'static str> {
+    let text = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+    let count = text.get(80..84).and_then(|count| count.try_into().ok());
+    let triangles = count.map_or(0, u32::from_le_bytes);
+    let stl = triangles > 0 && text.len() as u64 == 84 + 50 * u64::from(triangles);
+    let own = match text.trim_ascii_start() {
+        text if text.starts_with(b"ply\n") || text.starts_with(b"ply\r\n") => "ply",
+        text if text.starts_with(b"glTF") => "glb",
+        text if text.starts_with(b"<?xml") || text.starts_with(b"<COLLADA") => "dae",
+        text if text.starts_with(b"v ") || text.starts_with(b"mtllib ") => "obj",
+        text if kind != "obj" && text.starts_with(b"solid") => "stl",
+        _ if stl => "stl",
+        _ => return None,
+    };
+    (own != kind).then_some(own)
 }
 
 /// The lines of an OBJ text or of its materials with their numbers: a line that ends with a

@@ -183,7 +183,10 @@ pub(super) fn read_meshes(
 fn report_hulls(scope: &mut Scope, wanted: &[Wanted], meshes: &Meshes) {
     let parts = |mesh: &Wanted| meshes.hulls.get(&mesh.place)?.parts.as_deref();
     let cut = |mesh: &Wanted| mesh.shapes == Some(MeshShapes::Decomposition);
-    let mut hulls = wanted.iter().filter(|m| !cut(m) && parts(m).is_none());
+    // One that is not there has none.
+    let there = |mesh: &&Wanted| meshes.hulls.contains_key(&mesh.place);
+    let hulls = wanted.iter().filter(there);
+    let mut hulls = hulls.filter(|m| !cut(m) && parts(m).is_none());
     if let Some(first) = hulls.next() {
         let count = 1 + hulls.count();
         let message =

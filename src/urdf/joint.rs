@@ -367,9 +367,7 @@ fn mimic<'d>(scope: &mut Scope, node: Node<'d>, kind: JointKind) -> Option<Check
     scope.leaf(child, &["joint", "multiplier", "offset"]);
     let multiplier = scope.number(child, "multiplier");
     let multiplier = multiplier.and_then(|m| scope.within(child, "multiplier", m, Physical::Ratio));
-    if multiplier == Some(0.0)
-        && let Some(attribute) = child.attribute("multiplier")
-    {
+    if let (Some(0.0), Some(attribute)) = (multiplier, child.attribute("multiplier")) {
         let message = "<mimic> multiplier is 0: the joint stays where its offset is";
         let help = "leave multiplier out for 1, or use type=\"fixed\"";
         scope.warning("U033", attribute.at.clone(), message, help);

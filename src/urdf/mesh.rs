@@ -4,7 +4,9 @@
 //! the two plain formats, a page each: `stl_io` takes binary files that start with `solid` for text
 //! and refuses text that is not laid out line by line as it expects; both happen.
 
-use super::faces::{BYTE_ORDER_MARK, LARGEST_FILE, LFS_POINTER, MeshError, other_kind, three};
+use super::faces::{
+    BYTE_ORDER_MARK, LARGEST_FILE, LFS_POINTER, MeshError, misnamed, other_kind, three,
+};
 use super::{collada, gltf, obj, ply};
 use crate::reading;
 use crate::spatial::Vec3;
@@ -75,6 +77,9 @@ impl MeshFile {
         }
         if let Some(what) = other_kind(&own) {
             return Err(MeshError::Other(what));
+        }
+        if let Some(own) = misnamed(&kind, &own) {
+            return Err(MeshError::Misnamed(own));
         }
         let mut used = Vec::new();
         let mut file = Self::made(kind, own, |name| {

@@ -18,6 +18,15 @@ pub(super) fn parse(text: &str) -> Result<ObjectSettings, String> {
         Some((file, place)) if is_place(place) => (file, Some(place)),
         _ => (text, None),
     };
+    // Else the nearest name would be offered, which lacks the place.
+    let mut signs = text.match_indices([' ', ':', ';', '@', '#']);
+    let begins = signs.find(|(at, _)| PathBuf::from(&text[..*at]).is_file());
+    if let (Some((at, _)), None, false) = (begins, place, PathBuf::from(text).exists()) {
+        let file = &text[..at];
+        return Err(format!(
+            "a place follows the sign @: {file}@X,Y or {file}@X,Y,Z"
+        ));
+    }
     let number = |part: &str| {
         let number = part.trim().parse().ok();
         number.filter(|number| Range::Position.contains(*number))

@@ -1,6 +1,6 @@
 //! What is asked of `expand` and `explain`.
 
-use super::values::{package, xacro_argument};
+use super::values::{folder, package, xacro_argument};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ pub(crate) struct Expand {
     #[arg(value_name = "ROBOT.xacro")]
     pub(crate) file: PathBuf,
     /// Folder to look in for `$(find …)`; may be repeated
-    #[arg(long = "package-path", value_name = "DIR")]
+    #[arg(long = "package-path", value_name = "DIR", value_parser = folder)]
     pub(crate) package_paths: Vec<PathBuf>,
     /// Folder of one package; may be repeated
     #[arg(long = "package", value_name = "NAME=DIR", value_parser = package)]

@@ -21,11 +21,23 @@ pub(super) fn xacro_argument(text: &str) -> Result<String, String> {
     }
 }
 
+/// A folder that is there.
+pub(super) fn folder(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if path.is_dir() {
+        Ok(path)
+    } else if path.exists() {
+        Err(format!("'{text}' is a file: give the folder"))
+    } else {
+        Err(format!("there is no folder '{text}'"))
+    }
+}
+
 /// `name=folder`.
 pub(super) fn package(text: &str) -> Result<(String, PathBuf), String> {
     match text.split_once('=') {
-        Some((name, folder)) if !name.is_empty() && !folder.is_empty() => {
-            Ok((name.to_owned(), PathBuf::from(folder)))
+        Some((name, dir)) if !name.is_empty() && !dir.is_empty() => {
+            Ok((name.to_owned(), folder(dir)?))
         }
         _ => Err("write the name of the package and its folder, NAME=DIR".to_owned()),
     }

@@ -8,7 +8,9 @@ use quick_xml::events::BytesStart;
 #[non_exhaustive]
 pub enum DescriptionError {
     /// No XML.
-    #[error("modelDescription.xml cannot be read: {0}")]
+    #[error(
+        "modelDescription.xml cannot be read: {0}; download the FMU once more, or export it again"
+    )]
     Xml(String),
     /// Another version of the standard.
     #[error("the FMU is for FMI {found}; only FMI 2.0 and 3.0 can be simulated here")]

@@ -128,6 +128,12 @@ pub enum CsvError {
         /// From 1.
         line: u64,
     },
+    /// A quotation mark without another one.
+    #[error("line {line}: a quotation mark in a name is never closed: write another one, or none")]
+    Quote {
+        /// From 1.
+        line: u64,
+    },
     /// Names alone.
     #[error("it has no values: the line of names must be followed by at least one row")]
     NoRows,
@@ -203,6 +209,9 @@ impl Table {
             names = records.next().ok_or(CsvError::Empty)??;
         }
         let header = line_of(&names, text);
+        if names.iter().any(|name| name.contains('\n')) {
+            return Err(CsvError::Quote { line: header });
+        }
         let mut names: Vec<String> = names.iter().map(unquoted).collect();
         // Separators behind the last name are no columns; neither are those of the rows below.
         let named = names.iter().rposition(|name| !name.is_empty());

@@ -96,7 +96,8 @@ impl Times {
             return Err(wrong(
                 own,
                 format!(
-                    "the output interval must be above 0 s and not too short for {} s, not {} s",
+                    "the output interval must be above 0 s, and at least {} s for {} s, not {} s",
+                    Digits((stop - start) / MOST_ROWS),
                     Digits(stop - start),
                     Digits(interval)
                 ),

@@ -55,6 +55,10 @@ fn nothing(description: &Description, names: &[String], pattern: &Pattern) -> St
         None if pattern.is_glob() => format!("no output or input matches '{text}'"),
         None => format!("there is no output or input '{text}'"),
     };
+    let several = text.contains(',') && text.split(',').all(|part| !part.trim().is_empty());
+    if several {
+        return format!("{what}; each name has an {OUTPUT_VARIABLE} of its own");
+    }
     let nearest = nearest(names, pattern);
     match nearest.split_last() {
         None => format!("{what}; urdf2fmu info --variables lists all"),

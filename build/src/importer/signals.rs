@@ -96,8 +96,10 @@ impl Signals {
         let rows = &self.table.rows;
         let (first, last) = (rows.first()?[0], rows.last()?[0]);
         let run = format!("the run from {} s to {} s", Digits(start), Digits(stop));
-        if rows.len() < 2 || self.list.is_empty() {
-            // Values for all times.
+        #[expect(clippy::float_cmp, reason = "one time, or several")]
+        let one = first == last;
+        if one || self.list.is_empty() {
+            // Values for all times: of several rows of one time the last one.
             None
         } else if first >= stop || last <= start {
             let (kept, end) = if first >= stop {

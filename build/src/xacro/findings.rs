@@ -299,7 +299,8 @@ fn finding(
             None if problem.message.starts_with(NO_KEY) => {
                 "correct the key, or the file that the dictionary is read from".to_owned()
             }
-            _ => command::advice(path, arguments),
+            // What is no expression to Python is none to the program, either.
+            _ => own(&problem.message).unwrap_or_else(|| command::advice(path, arguments)),
         };
         (
             format!("{name} cannot be expanded: {}", problem.message),
@@ -346,6 +347,33 @@ pub(super) fn unasked(arguments: &[String], texts: &Texts) -> Vec<Diagnostic> {
         place: None,
     };
     unasked.map(warning).collect()
+}
+
+/// What to do about what is wrong by the rules of xacro and Python themselves, so that no other
+/// program knows more.
+fn own(message: &str) -> Option<String> {
+    const RULES: [(&str, &str); 6] = [
+        ("division by zero", "correct what it is divided by"),
+        (
+            "neither true nor false",
+            "write true, false, 1, 0 or a comparison",
+        ),
+        ("' is missing in '", "write it"),
+        (
+            "the expression ends too early",
+            "write the rest of it, or leave its last sign out",
+        ),
+        (
+            "there is no block",
+            "hand it to the macro, whose params have it as *NAME",
+        ),
+        (
+            "in a circle",
+            "leave out the <xacro:include> that leads back",
+        ),
+    ];
+    let rule = RULES.iter().find(|(part, _)| message.contains(part));
+    rule.map(|(_, help)| (*help).to_owned())
 }
 
 /// The call that sets a variable of the environment.

@@ -23,7 +23,10 @@ pub struct Message {
 #[non_exhaustive]
 pub enum LibraryError {
     /// No library that this system loads.
-    #[error("cannot load '{path}': {source}")]
+    #[error(
+        "cannot load '{path}': {source}; the FMU's library is damaged, or lacks what this system \
+         has not: download or export the FMU once more"
+    )]
     Load {
         /// The file.
         path: String,
