@@ -51,7 +51,7 @@ pub fn other_kind(path: &Path) -> Option<&'static str> {
     Some(match ending.as_str() {
         "fmu" if zip || bytes.is_empty() => return None,
         "fmu" => "no FMU: an FMU is a zip archive, and this is none",
-        _ if zip && holds_fmu(path) => "an FMU without its ending: end its name with .fmu",
+        _ if zip && holds_fmu(path) => "a zip archive that holds an FMU: end its name with .fmu",
         _ if zip => {
             "a zip archive: an FMU has the ending .fmu, other archives are to be unpacked first"
         }

@@ -11,6 +11,7 @@ mod elsewhere;
 mod ends;
 mod export;
 mod faults;
+mod followed;
 mod inertias;
 mod info;
 mod init;

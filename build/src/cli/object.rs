@@ -21,7 +21,7 @@ pub(super) fn parse(text: &str) -> Result<ObjectSettings, String> {
     // Else the nearest name would be offered, which lacks the place.
     let mut signs = text.match_indices([' ', ':', ';', '@', '#']);
     let begins = signs.find(|(at, _)| PathBuf::from(&text[..*at]).is_file());
-    if let (Some((at, _)), None, false) = (begins, place, PathBuf::from(text).exists()) {
+    if let (Some((at, _)), false) = (begins, PathBuf::from(file).exists()) {
         let file = &text[..at];
         return Err(format!(
             "a place follows the sign @: {file}@X,Y or {file}@X,Y,Z"
