@@ -125,6 +125,25 @@ def test_no_curve_stands_alone_without_its_name(browser, command, tmp_path):
         assert [count for title, count in plots if title.startswith("Joint force")] == [5, 4]
 
 
+def test_the_names_of_curves_are_whole_however_long_they_are(browser, command, tmp_path):
+    """150 letters without a space: as wide as the plot at most, and whole in the SVG where there is room."""
+    names = [f"lift_{side}_{'of_a_robot_without_an_end' * 6}"[:150] for side in "ab"]
+    links = "".join(
+        f'<link name="l{i}"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+        f'</inertial></link><joint name="{name}" type="prismatic"><axis xyz="0 0 1"/><parent link="base"/>'
+        f'<child link="l{i}"/><limit lower="-1" upper="1" effort="100" velocity="1"/></joint>'
+        for i, name in enumerate(names))
+    (tmp_path / "long.urdf").write_text(f'<robot name="long"><link name="base"/>{links}</robot>')
+    run = command("simulate", tmp_path / "long.urdf", "--stop-time", 0.1, "--report", tmp_path / "r.html")
+    assert run.returncode == 0, run.stderr
+    with open_report(browser, tmp_path / "r.html") as page:
+        wide = "[...document.querySelectorAll('.key span')].map(s => [s.getBoundingClientRect().right, " \
+               "s.closest('.plot').getBoundingClientRect().right, s.scrollWidth - s.clientWidth, s.textContent.length])"
+        keys = page.evaluate(wide)
+        assert any(length > 100 for *_, length in keys), keys
+        assert all(right <= of_plot + 1 and over <= 0 for right, of_plot, over, _ in keys), keys
+
+
 def test_the_notes_begin_with_what_happened_in_the_words_of_the_terminal(browser, made, command, tmp_path):
     fmu, results, _ = made("r2d2")
     done = command("report", results, "--model", fmu, "-o", tmp_path / "r.html")

@@ -171,16 +171,22 @@ fn draw(out: &mut String, panel: &Panel, time: &[f64], across: &Axis, top: f64) 
         if panel.title != curve.name {
             _ = writeln!(
                 out,
-                "<path class=\"c{i}\" style=\"stroke-width:3\" d=\"M{LEGEND} {}h14\"/>\
-                 <text x=\"{}\" y=\"{}\">{}<title>{}</title></text>",
-                y - 4.0,
-                LEGEND + 22.0,
-                y,
-                escaped(&shortened(name)),
-                escaped(curve.name)
+                "<path class=\"c{i}\" style=\"stroke-width:3\" d=\"M{LEGEND} {}h14\"/>",
+                y - 4.0
             );
+            for line in lines(name, CURVES / panel.curves.len()) {
+                _ = writeln!(
+                    out,
+                    "<text x=\"{}\" y=\"{y}\">{}<title>{}</title></text>",
+                    LEGEND + 22.0,
+                    escaped(&line),
+                    escaped(curve.name)
+                );
+                y += LINE;
+            }
+        } else {
+            y += LINE;
         }
-        y += LINE;
     }
 }
 
@@ -271,10 +277,34 @@ fn raised(power: i32) -> String {
     power.to_string().chars().map(digit).collect()
 }
 
+/// The columns of a letter: those of Asian scripts are twice as wide.
+fn width(c: char) -> usize {
+    if u32::from(c) < 0x1100 { 1 } else { 2 }
+}
+
+/// A name in lines that fit beside the plot, or in one without its middle where that takes more
+/// than `most`.
+fn lines(name: &str, most: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    let mut room = LETTERS;
+    for c in name.chars() {
+        if width(c) > room {
+            lines.push(String::new());
+            room = LETTERS;
+        }
+        room -= width(c);
+        if let Some(line) = lines.last_mut() {
+            line.push(c);
+        }
+    }
+    if lines.len() > most {
+        lines = vec![shortened(name)];
+    }
+    lines
+}
+
 /// A name that fits beside the plot: names differ at their beginning or at their end.
 fn shortened(name: &str) -> String {
-    // Letters of Asian scripts are twice as wide.
-    let width = |c: char| if u32::from(c) < 0x1100 { 1 } else { 2 };
     if name.chars().map(width).sum::<usize>() <= LETTERS {
         return name.to_owned();
     }
@@ -362,6 +392,29 @@ mod tests {
         let curves: Vec<Curve> = names.iter().map(|name| curve(name, &[1.0])).collect();
         let note = svg("r", &[0.0], &curves).note.expect("too many");
         assert!(note.contains("40 of 400 variables"), "{note}");
+    }
+
+    /// 150 letters are six lines of 25; two curves have room for four lines each.
+    #[test]
+    fn a_long_name_is_written_whole_where_there_is_room_for_its_lines() {
+        let name: String = ('a'..='z').cycle().take(150).collect();
+        let whole = lines(&name, CURVES);
+        assert_eq!((whole.len(), whole.concat()), (6, name.clone()));
+        assert_eq!(lines(&name, 5), [shortened(&name)]);
+        assert_eq!(lines("short", 1), ["short"]);
+        assert_eq!(
+            lines(&"関".repeat(13), 2),
+            ["関".repeat(12), "関".to_owned()]
+        );
+        let parts = ["l", "r"].map(|side| format!("{side}{}", &name[..99]));
+        let names = parts
+            .each_ref()
+            .map(|part| format!("joint.{part}.velocity"));
+        let curves = names.each_ref().map(|name| curve(name, &[1.0]));
+        let svg = svg("r", &[0.0], &curves).svg;
+        for line in parts.iter().flat_map(|part| lines(part, CURVES / 2)) {
+            assert!(svg.contains(&format!(">{line}<title>")), "{line}: {svg}");
+        }
     }
 
     #[test]
