@@ -110,6 +110,13 @@ pub(crate) trait Function: Copy + 'static {
                 "after an internal error only {fmi}Reset, {set_state} and {fmi}FreeInstance help"
             );
         }
+        if phase == Phase::StepFailed {
+            let (fmi, set_state) = (Self::VERSION, Self::VERSION.set_state());
+            return format!(
+                "the last {fmi}DoStep failed: only {set_state}, {fmi}Reset and {fmi}FreeInstance go \
+                 on from it"
+            );
+        }
         let allowed: Vec<String> = Self::COLUMNS
             .iter()
             .filter(|(column, _)| self.allowed_in(*column))

@@ -262,6 +262,7 @@ void test_discard(void)
     CHECK(boolean == fmi2False, "%d", boolean);
     CHECK_ERROR(fmu.DoStep(c, real, 0.01, fmi2False), "step failed");
     CHECK_ERROR(fmu.SetReal(c, &max_steps, 1, &many), "step failed");
+    CHECK_ERROR(fmu.SetReal(c, &max_steps, 1, &many), "the last fmi2DoStep failed: only fmi2SetFMUstate");
 
     CHECK_OK(fmu.SetFMUstate(c, before));
     drive(c, 0.2, 0.05, 2);

@@ -342,6 +342,18 @@ def test_what_the_fmu_warns_of_is_a_python_warning(rover):
             robot.step(0.01)
 
 
+def test_a_joint_that_starts_beyond_its_limit_comes_back_slowly(tmp_path):
+    """The FMU's warning says so: the spring of a limit is damped by 51 s a unit, 1/51 = 0.0196."""
+    inertia = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    (tmp_path / "r.urdf").write_text(
+        f'<robot name="r"><link name="world"/><link name="a">{inertia}</link><joint name="j" type="prismatic">'
+        '<parent link="world"/><child link="a"/><limit lower="0" upper="1" effort="10" velocity="1"/></joint></robot>')
+    start = {"initial.joint.j.position": 1.5, "cmd.j.max_effort": 0}
+    with pytest.warns(RuntimeWarning, match="outside its range"):
+        table = urdf2fmu.simulate(tmp_path / "r.urdf", stop_time=1, start_values=start)
+    assert 0.018 < 1.5 - table["joint.j.position"][-1] < 0.02
+
+
 def test_globs_of_start_values_mean_what_can_be_set(rover):
     values = {"*head_joint.velocity": 0.25}
     with Simulation(rover, start_values=values) as robot:

@@ -8,9 +8,13 @@ use crate::pointers::{In, Out};
 use urdf2fmu_core::digits::Digits;
 use urdf2fmu_core::inputs::INPUT_ORDERS;
 use urdf2fmu_core::range::Range;
-use urdf2fmu_core::simulation::SimulationError;
 use urdf2fmu_core::simulation::outputs::Reading;
+use urdf2fmu_core::simulation::{ParameterSlot, SimulationError};
 use urdf2fmu_core::variables::{Kind, Slot};
+
+/// What follows from a start beyond a limit, whose spring is damped as contacts are: by 51 s a rad
+/// or m.
+const BEYOND: &str = ", and the limit moves the joint back slowly, by 0.02 rad or m a second";
 
 /// How far outside its range a value may be without a word, relative to 1 and to the limit.
 const ROUND_OFF: f64 = 1e-9;
@@ -180,10 +184,18 @@ impl Instance {
             return;
         }
         self.range_logged[index] = true;
+        let starts = matches!(
+            variable.slot,
+            Slot::Parameter(ParameterSlot::InitialJointPosition(_))
+        );
+        let name = &variable.name;
         self.warn(&format!(
-            "variable '{}' is set to {}, outside its range [{}, {}]; the value is used, and this is \
-             said once",
-            variable.name, Digits(value), Digits(min), Digits(max)
+            "variable '{name}' is set to {}, outside its range [{}, {}]; the value is used{}, and \
+             this is said once",
+            Digits(value),
+            Digits(min),
+            Digits(max),
+            if starts { BEYOND } else { "" }
         ));
     }
 

@@ -118,3 +118,28 @@ fn a_tolerance_finer_than_the_contacts_is_raised_and_said_once() {
         assert_eq!(said, Vec::from_iter(expected), "{asked}");
     }
 }
+
+/// What the limit does with it is measured in `tests/python/test_package_careless.py`.
+#[test]
+fn a_start_beyond_a_limit_is_told_with_what_becomes_of_it() {
+    for (slot, told) in [
+        (ParameterSlot::InitialJointPosition(0.into()), true),
+        (ParameterSlot::InitialBasePosition(RootId::ROBOT, 2), false),
+    ] {
+        let said = heard(|instance| {
+            let row = &mut instance.variables[START_HEIGHT as usize];
+            (row.slot, row.max) = (Slot::Parameter(slot), Some(1.0));
+            instance.enter_initialization_mode();
+            set(instance, &[START_HEIGHT], &[1.5]).expect("legal");
+        });
+        let [said] = &said[..] else {
+            panic!("{said:?}")
+        };
+        assert!(said.contains("outside its range"), "{said}");
+        assert_eq!(
+            said.contains("back slowly, by 0.02 rad or m a second"),
+            told,
+            "{said}"
+        );
+    }
+}
