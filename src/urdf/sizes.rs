@@ -144,9 +144,20 @@ pub(super) fn compare_origins(
     }
 }
 
+/// Twice the root of the mean square of the way from the centre of mass to the mass of a link, m,
+/// of the largest: with moments of inertia `I`, `tr I = 2 ∫ r² dm`.
+fn spread(robot: &CheckedRobot) -> f64 {
+    let links = robot.links.iter().filter_map(|link| link.inertial.as_ref());
+    let ways = links.filter(|own| own.mass > 0.0).map(|own| {
+        let trace = own.inertia[0] + own.inertia[3] + own.inertia[5];
+        2.0 * (0.5 * trace.max(0.0) / own.mass).sqrt()
+    });
+    ways.fold(0.0, f64::max)
+}
+
 /// Warns of a visual in mm or cm, in a robot that is else in m: of one that is many times as large
 /// as each collision shape, as the place of each joint, shape and centre of mass is away, and as a
-/// joint slides.
+/// joint slides; where there is none of these, as the mass is spread, if nothing is that light.
 pub(super) fn compare_visuals(
     scope: &mut Scope,
     robot: &CheckedRobot,
@@ -165,9 +176,21 @@ pub(super) fn compare_visuals(
         .chain(origins.map(|origin| origin.away))
         .chain(ways)
         .fold(0.0, f64::max);
+    // Where there is no length at all, masses say how large things are.
+    let only_drawn = size <= 0.0;
+    let size = if only_drawn { spread(robot) } else { size };
     if size <= 0.0 {
         return;
     }
+    let in_mm = |i: usize, diameter: f64| {
+        let mass = robot.links[i].inertial.as_ref().map_or(0.0, |own| own.mass);
+        let volume = Shape::Sphere {
+            radius: 0.5 * diameter,
+        }
+        .volume();
+        let of_things = AIR * volume..DENSEST * volume;
+        mass < of_things.start && of_things.contains(&(1e9 * mass))
+    };
     let links = order.links.iter().zip(&description.links);
     let visuals = links.flat_map(|(&i, link)| {
         let visuals = link.visuals.iter();
@@ -176,6 +199,10 @@ pub(super) fn compare_visuals(
     let diameter = |visual| Some(2.0 * drawn_ball(visual, description)?.1);
     let mut found = visuals.filter_map(|(i, link, visual)| {
         let large = diameter(visual).filter(|large| *large > FAR * size)?;
+        // An inertia alone may be a placeholder.
+        if only_drawn && !in_mm(i, large) {
+            return None;
+        }
         Some((i, link, visual, large))
     });
     let Some((i, link, visual, large)) = found.next() else {

@@ -109,6 +109,19 @@ fn a_loop_that_cannot_close_is_an_error_with_its_gap_and_its_place() {
     assert_eq!(error.place.as_ref().map(|place| place.line), Some(3));
 }
 
+/// It has no origins.
+#[test]
+fn a_coupler_that_cannot_be_closed_is_told_with_what_it_has() {
+    let coupler = |sum: f64| {
+        format!("[[loop]]\ntype = \"coupler\"\njoints = [\"a\"]\nfactors = [1]\nsum = {sum}\n")
+    };
+    let errors = built("", &(coupler(1.0) + &coupler(2.0))).expect_err("1 is not 2");
+    let error = errors.iter().find(|e| e.code == "A141").expect("it tells");
+    assert!(!error.message.contains("rad"), "{error:?}");
+    let help = error.help.as_deref().unwrap_or_default();
+    assert!(help.contains("its factors and its sum"), "{error:?}");
+}
+
 #[test]
 fn broken_loops_are_errors_with_their_place() {
     for (text, code, words) in [

@@ -103,6 +103,12 @@ fn groups_that_cannot_share_a_command_are_errors_with_their_place() {
         (group("a", "\"left\", \"pan\""), "different commands"),
         (group("a", "\"lift\", \"pan\""), "one turns and one slides"),
         (
+            // One mode would not do.
+            "[[actuator]]\njoint = \"lift\"\nmode = \"velocity\"\n".to_owned()
+                + &group("a", "\"lift\", \"pan\""),
+            "one turns and one slides",
+        ),
+        (
             "initial.joints = { pan = 0.5 }\n".to_owned() + &group("a", "\"pan\", \"tilt\""),
             "start at 0.5 and 0",
         ),

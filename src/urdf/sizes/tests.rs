@@ -236,3 +236,25 @@ fn a_mesh_in_millimetres_is_told_with_its_scale_and_not_with_an_inertia_of_its_s
     let help = told.help.as_deref().unwrap_or_default();
     assert!(help.contains("scale=\"0.001 0.001 0.001\""), "{help}");
 }
+
+/// A cube of 0.1 m and 1 kg, `m a²/6`, that is drawn alone: in mm, as it is, and with a placeholder
+/// as inertia.
+#[test]
+fn visuals_in_millimetres_are_told_by_the_masses_where_there_is_no_length() {
+    let told = |size: f64, inertia: f64| {
+        let text = format!(
+            "<robot name='r'><link name='a'><inertial><mass value='1'/><inertia ixx='{inertia}' \
+             iyy='{inertia}' izz='{inertia}' ixy='0' ixz='0' iyz='0'/></inertial><visual><geometry>\
+             <box size='{size} {size} {size}'/></geometry></visual></link></robot>"
+        );
+        let robot = read_str(&text, "r.urdf", Path::new("."), &ReadOptions::default());
+        let told = robot.expect("legal").diagnostics.into_iter();
+        told.filter(|d| d.code == "U075").map(|d| d.message).next()
+    };
+    let text = told(100.0, 0.00167).expect("in mm");
+    let start = "link 'a': its <visual> is 173.2 m large, in a robot some 0.1 m large";
+    assert!(text.starts_with(start), "{text}");
+    for (size, inertia) in [(0.1, 0.00167), (0.1, 1e-6), (1.0, 1e-6), (100.0, 1667.0)] {
+        assert_eq!(told(size, inertia), None, "{size} {inertia}");
+    }
+}
