@@ -168,7 +168,9 @@ fn draw(out: &mut String, panel: &Panel, time: &[f64], across: &Axis, top: f64) 
             escaped(curve.name)
         );
         // The title of a single curve may be its name.
-        if panel.title != curve.name {
+        if panel.title == curve.name {
+            y += LINE;
+        } else {
             _ = writeln!(
                 out,
                 "<path class=\"c{i}\" style=\"stroke-width:3\" d=\"M{LEGEND} {}h14\"/>",
@@ -184,8 +186,6 @@ fn draw(out: &mut String, panel: &Panel, time: &[f64], across: &Axis, top: f64) 
                 );
                 y += LINE;
             }
-        } else {
-            y += LINE;
         }
     }
 }
