@@ -178,6 +178,27 @@ fn options_without_an_effect_are_told_and_advice_for_options_is_taken() {
         let said = said(folder, args);
         assert!(said.contains(part), "{args:?}: {said}");
     }
+    write(folder, "in.csv", "time,link.base.mass\n0,1\n");
+    let rover = example("rover.urdf");
+    let simulate = |args: &[&str]| said(folder, &[&["simulate", text(&rover)], args].concat());
+    for (args, part) in [
+        (
+            &["--start-value", "joint.head_joint.position", "1"][..],
+            "an output; it starts at 'initial.joint.head_joint.position'",
+        ),
+        (
+            &["--start-value", "link.base_link.mass", "0,5"],
+            "no finite number, in which the decimal sign is a point",
+        ),
+    ] {
+        let said = simulate(args);
+        assert!(said.contains(part), "{args:?}: {said}");
+    }
+    let said_of_table = said(folder, &["simulate", "r.urdf", "--input-file", "in.csv"]);
+    assert!(
+        said_of_table.contains("a parameter; --start-value sets it"),
+        "{said_of_table}"
+    );
     // It is no value of anything.
     let said = said(folder, &["simulate", "r.urdf", "--duration", "3"]);
     assert!(!said.contains("as a value"), "{said}");

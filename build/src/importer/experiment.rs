@@ -224,7 +224,14 @@ pub(super) fn starts<'d>(
                 // As the settings and the options for times take it.
                 (_, text) => number_or_ratio(text)
                     .filter(|x| x.is_finite())
-                    .ok_or_else(|| bad("finite number"))?,
+                    .ok_or_else(|| {
+                        let comma = "finite number, in which the decimal sign is a point";
+                        bad(if text.contains(',') {
+                            comma
+                        } else {
+                            "finite number"
+                        })
+                    })?,
             };
             if variable.is_attitude() && angles::attitude(&variable.name, &[value]).is_some() {
                 return Err(bad("attitude in radians; 90 degrees are 1.5708"));
@@ -282,6 +289,21 @@ fn meant<'d>(description: &'d Description, name: &str) -> Result<Vec<&'d Variabl
     Ok(found)
 }
 
+/// By what a variable is set, or starts, that is not `fit` itself.
+fn set_by(
+    description: &Description,
+    variable: &Variable,
+    fit: impl Fn(&Variable) -> bool,
+) -> String {
+    if variable.can_start() {
+        return "; --start-value sets it".to_owned();
+    }
+    let initial = ['.', '_'].map(|sign| format!("initial{sign}{}", variable.name));
+    let known = |name: &&String| description.find(name).is_some_and(&fit);
+    let start = initial.iter().find(known);
+    start.map_or_else(String::new, |name| format!("; it starts at '{name}'"))
+}
+
 /// The variable called `name`, if it is `fit`; otherwise the error, with the nearest suitable name.
 fn find<'d>(
     description: &'d Description,
@@ -292,13 +314,14 @@ fn find<'d>(
     match description.find(name) {
         Some(variable) if fit(variable) && variable.kind != Kind::Text => Ok(variable),
         Some(variable) => Err(format!(
-            "'{name}' is not {expected}, but {} {}",
+            "'{name}' is not {expected}, but {} {}{}",
             if variable.causality == "output" || variable.causality == "input" {
                 "an"
             } else {
                 "a"
             },
-            variable.causality
+            variable.causality,
+            set_by(description, variable, fit)
         )),
         None => {
             let names = || description.variables.iter().filter(|v| fit(v));
