@@ -4,7 +4,7 @@
 //! The states are positions, velocities, and what friction elements and velocity motors remember.
 //! All laws are those of the steps in the limit of a step of no length; forces and accelerations
 //! are what the outputs show. The memory needs a law of its own here, the last one, and limits of
-//! joints set in gradually ([`HuntCrossley::gradual`](crate::law::HuntCrossley::gradual)).
+//! joints are softer ([`Stop`](crate::law::Stop)).
 //!
 //! 1. Positions: `q̇` for the velocities `v`. A quaternion is divided by its length before use, and
 //!    comes back to unit length by `γ (1 − q·q) q` with `γ = 1/s`.

@@ -367,7 +367,8 @@ impl Readout {
             *a = -k;
         }
         for term in &terms.joints {
-            self.vdot[term.dof] += term.force(state.physical.v[term.dof], ctx.onset);
+            let load = ctx.exchanged.then(|| tree.limit_load(term.dof));
+            self.vdot[term.dof] += term.force(state.physical.v[term.dof], load);
         }
         // The bias is done with its forces: they serve for the contacts.
         let F = &mut kin.force;

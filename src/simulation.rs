@@ -73,7 +73,7 @@ macro_rules! reading {
             tolerance: 0.0,
             fixed_step: 0.0,
             budget: u64::MAX,
-            onset: crate::simulation::posed::onset($simulation.posed.as_deref()),
+            exchanged: $simulation.posed.is_some(),
             rules: &$simulation.rules,
         }
     };

@@ -375,10 +375,10 @@ pub const WHEEL: f64 = 0.02;
 /// Position error of a limit under the joint's effort limit, rad or m. At 1e-2 fails
 /// `a_servo_pressed_against_a_limit_rests`.
 pub const LIMIT_DEFLECTION: f64 = 1e-4;
-/// Model Exchange alone: way within which the spring of a limit sets in, rad or m, a tenth of what
-/// it gives way by under the joint's effort limit. At 0 fails
-/// `test_integrators_get_over_a_light_joint_at_its_limit`.
-pub const LIMIT_ONSET: f64 = 0.1 * LIMIT_DEFLECTION;
+/// Acceleration, rad/s² or m/s², at which a limit has at least that position error, whatever the
+/// effort limit of its joint; see the law of a `Stop`. At 1e9 fails
+/// `test_a_double_pendulum_that_strikes_its_limits_is_where_events_say`.
+pub const LIMIT_LOAD: f64 = 100.0;
 /// Model Exchange alone: nominal value of the displacement of friction, as a share of the
 /// penetration, by which it gives way at its cap. What stands or rolls uses a part of it, and
 /// importers measure errors by it. At 1 fails
@@ -752,6 +752,11 @@ pub const CLOSING_SPREAD: f64 = 1.5;
 
 // Differential equations: `continuous.rs`.
 
+/// Stiffness of a limit, in those with which the joint's motor holds it, up to which an integrator
+/// may go on with its slopes where the joint has left the limit: it takes a solution for converged
+/// at a tenth of its tolerance, and is then off by at most that. At 1 and at 1e9 fails
+/// `a_joint_that_has_left_its_limit_is_announced_unless_its_motor_holds_it`.
+pub const HELD: f64 = 10.0;
 /// Longest time until the next event where shapes could pass each other, s: an event costs an
 /// implicit integrator a Jacobian, and after each of its steps it is told whether it has to come
 /// earlier. At 0.01 fails `what_falls_on_thin_things_is_announced_in_time`.

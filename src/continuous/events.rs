@@ -9,14 +9,20 @@
 //! 2. What leaves the ground keeps a slope of 10⁵/s until it has left, and none after that. An
 //!    implicit method that goes on with the slopes of before takes any residual for the error of a
 //!    converged solution: CVODE at 1e-4 let balls hover at 2 cm/s, and threw a cube 46 m high. So
-//!    there is an *event* after a step in which two shapes have begun or ceased to overlap, or a
-//!    limit of a joint has been reached or left, and the integrator begins anew.
+//!    there is an *event* after a step at whose end something acts no more: two shapes have ceased
+//!    to overlap, or a joint has left its limit, and the integrator begins anew. What begins to act
+//!    needs none: the slopes of before are too small then, and the solution does not converge.
+//! 3. It may have begun to act after the last event, also within a step: an importer may take many
+//!    steps of its integrator for one, as FMPy does from one output to the next. So a joint that
+//!    came to its limit and left it within 4 ms hovered there for a second. Therefore limits count
+//!    that have acted where derivatives were asked for. Contacts do not: trial places of the
+//!    integrator are in the ground where its steps are not, and each event costs a Jacobian.
 //!
 //! Nothing that is integrated depends on them.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use crate::force::{Contact, Terms, can_pass, may_pass};
+use crate::force::{Contact, can_pass, may_pass};
 use crate::spatial::Vec6;
 use crate::step::point::{Context, Point};
 use crate::tree::Tree;
@@ -25,8 +31,9 @@ use crate::tuning::{LEAST_PLAN, PLAN};
 /// What was known at the last event.
 #[derive(Clone, Debug)]
 pub struct Events {
-    /// What acts, see [`find_acting`]; and scratch for the same.
-    acting: Vec<usize>,
+    /// What acted at the last event or has acted since, in any order, see [`find_acting`].
+    acted: Vec<usize>,
+    /// Scratch for what acts.
     now: Vec<usize>,
     /// Whether that is known of the present run.
     known: bool,
@@ -43,7 +50,7 @@ impl Events {
     pub fn new(tree: &Tree, contacts: usize) -> Self {
         let most = contacts + 2 * tree.dofs.weight.len();
         Self {
-            acting: Vec::with_capacity(most),
+            acted: Vec::with_capacity(most),
             now: Vec::with_capacity(most),
             known: false,
             next: f64::INFINITY,
@@ -60,50 +67,83 @@ impl Events {
     /// passed.
     ///
     /// - `A`: accelerations of all bodies about O
+    /// - `v`: velocities
     pub fn update(
         &mut self,
         ctx: &Context,
         (point, A): (&Point, &[Vec6]),
+        v: &[f64],
         time: f64,
     ) -> Option<f64> {
-        find_acting(&point.terms, &mut self.acting);
+        find_acting(ctx, point, v, &mut self.acted);
         self.known = true;
         self.next = f64::INFINITY;
         if !self.passes {
             return None;
         }
         let mut h = PLAN;
-        while h > LEAST_PLAN && may_pass(ctx.tree, &point.kin, A, h, &self.acting) {
+        while h > LEAST_PLAN && may_pass(ctx.tree, &point.kin, A, h, &self.acted) {
             h *= 0.5;
         }
         self.next = time + h;
         Some(self.next)
     }
 
+    /// Takes note of limits of joints that act where derivatives are asked for.
+    pub fn watch(&mut self, ctx: &Context, point: &Point, v: &[f64]) {
+        if self.known {
+            self.now.clear();
+            add_stopped(ctx, point, v, &mut self.now);
+            for acts in &self.now {
+                if !self.acted.contains(acts) {
+                    self.acted.push(*acts);
+                }
+            }
+        }
+    }
+
     /// Whether a step that ends at `time`, s, ends in an event.
-    pub fn has_come(&mut self, ctx: &Context, (point, A): (&Point, &[Vec6]), time: f64) -> bool {
-        find_acting(&point.terms, &mut self.now);
+    pub fn has_come(
+        &mut self,
+        ctx: &Context,
+        (point, A): (&Point, &[Vec6]),
+        v: &[f64],
+        time: f64,
+    ) -> bool {
         if !self.known {
             return true;
         }
+        find_acting(ctx, point, v, &mut self.now);
+        let ended = self.acted.iter().any(|acts| !self.now.contains(acts));
+        if !ended {
+            self.acted.clone_from(&self.now);
+        }
         let left = self.next - time;
-        self.now != self.acting
+        ended
             || self.passes
                 && left > LEAST_PLAN
                 && may_pass(ctx.tree, &point.kin, A, left, &self.now)
     }
 }
 
-/// Lists the slots of contacts whose shapes overlap, ascending, then the limits of joints that act,
-/// by numbers that no slot has: from the largest one downwards, two for each degree of freedom.
-fn find_acting(terms: &Terms, acting: &mut Vec<usize>) {
+/// Lists the slots of contacts whose shapes overlap, ascending, then the limits of joints that act.
+fn find_acting(ctx: &Context, point: &Point, v: &[f64], acting: &mut Vec<usize>) {
     acting.clear();
-    let set = &terms.contacts;
+    let set = &point.terms.contacts;
     let overlaps = |c: &&Contact| c.depth > 0.0;
     acting.extend(set.iter().filter(overlaps).map(|contact| contact.slot));
-    for term in &terms.joints {
-        for (side, gap) in term.gap.into_iter().enumerate() {
-            if gap < 0.0 {
+    add_stopped(ctx, point, v, acting);
+}
+
+/// Adds the limits of joints that act, by numbers that no slot has: from the largest one downwards,
+/// two for each degree of freedom.
+///
+/// - `v`: velocities
+fn add_stopped(ctx: &Context, point: &Point, v: &[f64], acting: &mut Vec<usize>) {
+    for term in &point.terms.joints {
+        let stopped = term.is_stopped(ctx.tree.limit_load(term.dof), v[term.dof]);
+        for (side, stopped) in stopped.into_iter().enumerate() {
+            if stopped {
                 acting.push(usize::MAX - 2 * term.dof - side);
             }
         }

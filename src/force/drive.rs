@@ -112,6 +112,17 @@ impl Drive {
         }
     }
 
+    /// By how much the force falls with the position, or with what a velocity motor remembers of
+    /// it, N·m/rad or N/m, where it is not cut.
+    pub fn stiffness(&self) -> f64 {
+        match self {
+            Self::None | Self::Effort(_) => 0.0,
+            Self::Velocity { element, .. } => element.stiffness,
+            Self::Position { gain, slope, .. } => gain * slope,
+            Self::Pd { kp, .. } => *kp,
+        }
+    }
+
     /// Whether the force changes with position or velocity: then steps must be implicit.
     pub fn is_stiff(&self) -> bool {
         match self {

@@ -14,11 +14,11 @@ use super::memory::Memory;
 use crate::closure::Felt;
 use crate::inputs::{Command, Inputs};
 use crate::kinematics::Kinematics;
-use crate::law::{Damping, ElastoPlastic, HuntCrossley, SpeedLine, stribeck};
+use crate::law::{Damping, ElastoPlastic, HuntCrossley, SpeedLine, Stop, stribeck};
 use crate::model::{ActuatorMode, Model};
 use crate::tree::{DryFriction, Tree};
 use crate::tuning::{
-    BRAKING_SHARE, FRICTION_DEFLECTION, LEAST_FREE, LIMIT_DEFLECTION, LIMIT_REACH,
+    BRAKING_SHARE, FRICTION_DEFLECTION, HELD, LEAST_FREE, LIMIT_DEFLECTION, LIMIT_REACH,
     MOTOR_RELAXATION, SERVO_DEFLECTION,
 };
 
@@ -180,15 +180,40 @@ impl JointTerm {
     }
 
     /// Force at the start of the step for the velocity `v`: the limit of `response / h` for small
-    /// `h`, but that limits set in within `onset`, rad or m.
-    pub fn force(&self, v: f64, onset: f64) -> f64 {
+    /// `h`, but that limits are a [`Stop`] made for `load`, N·m or N, where an integrator outside
+    /// takes the steps.
+    pub fn force(&self, v: f64, load: Option<f64>) -> f64 {
         let mut force = self.drive_force(v, 0.0).0 - self.damping * v;
         force -= self.speed_damping * self.overspeed(v);
         force -= self.dry.respond(v, 0.0).force;
         for (gap, sign) in [(self.gap[0], 1.0), (self.gap[1], -1.0)] {
-            force += sign * self.limit.gradual(gap, sign * v, onset);
+            force += sign
+                * match load {
+                    Some(load) => Stop::new(load, self.limit).force(gap, sign * v),
+                    None => self.limit.force(gap, sign * v),
+                };
         }
         force
+    }
+
+    /// Whether each of the limits acts on what an integrator outside makes of the joint at the
+    /// velocity `v`: its slope is not small beside that of a motor which holds the joint. What a
+    /// servo holds just at a limit passes it with every shock, and the integrator need not know.
+    pub fn is_stopped(&self, load: f64, v: f64) -> [bool; 2] {
+        let stop = Stop::new(load, self.limit);
+        self.gap.map(|gap| {
+            let stiffness = stop.stiffness(gap);
+            stiffness > 0.0 && stiffness > HELD * self.holding(v)
+        })
+    }
+
+    /// Stiffness with which the motor holds the joint, N·m/rad or N/m.
+    fn holding(&self, v: f64) -> f64 {
+        if self.drive_force(v, 0.0).1 < 0.0 {
+            self.drive.stiffness()
+        } else {
+            0.0
+        }
     }
 
     /// Moves the place from which it acts by `moved`, rad or m.

@@ -8,8 +8,10 @@ pub mod friction;
 pub mod leaving;
 pub mod motor;
 pub mod normal;
+pub mod stop;
 
 pub use friction::{ElastoPlastic, Resistance, stribeck};
 pub use leaving::Damping;
 pub use motor::{SpeedLine, motor_constants};
 pub use normal::{HuntCrossley, dissipation_number};
+pub use stop::Stop;

@@ -8,8 +8,8 @@
 
 use super::Damping;
 use crate::tuning::{
-    LEAST_NUMBER, LIMIT_DEFLECTION, RESTITUTION_ACCURACY, RESTITUTION_STEP, RESTITUTION_STEPS,
-    RESTITUTION_TRIALS, STIFFEST,
+    LEAST_NUMBER, RESTITUTION_ACCURACY, RESTITUTION_STEP, RESTITUTION_STEPS, RESTITUTION_TRIALS,
+    STIFFEST,
 };
 
 /// A spring that only pushes, with damping proportional to its force.
@@ -35,29 +35,10 @@ impl HuntCrossley {
         (h * elastic * factor, h * stiffness)
     }
 
-    /// Force at the start of the step, N or N·m, of a spring that sets in within `onset`, m or rad;
-    /// with 0 at once, as in a step.
-    ///
-    /// 1. Where the spring takes hold, the slope of its force jumps from nothing to `k`. A servo
-    ///    may hold its joint just there, by a slope that is a tenth as great. Then the joint
-    ///    crosses this place with every shock, by a ten-thousandth of a millimetre. A step solves
-    ///    for the force and does not mind, but an integrator that takes the slope of one side for
-    ///    both is off, and it shortens its steps or gives up.
-    /// 2. With the onset `ε` the spring's force is `k s(x)` with
-    ///    `s(x) = (1 + ε²/x₁²) x³/(x² + ε²)`: slope and curvature begin at 0. As it begins with a
-    ///    cube, differences that leave an error of fourth order also do so across its beginning.
-    /// 3. With `x₁` = [`LIMIT_DEFLECTION`] the force is the old one where the joint's effort limit
-    ///    presses against the spring. For `ε = x₁/10` each force below that has its place at most
-    ///    half of `ε` deeper than without an onset.
+    /// Force at the start of the step, N or N·m.
     #[inline]
-    pub fn gradual(&self, gap: f64, v: f64, onset: f64) -> f64 {
-        let mut depth = (-gap).max(0.0);
-        if depth > 0.0 && onset > 0.0 {
-            let (full, squared) = (LIMIT_DEFLECTION * LIMIT_DEFLECTION, depth * depth);
-            let onset = onset * onset;
-            depth *= (1.0 + onset / full) * squared / (squared + onset);
-        }
-        self.stiffness * depth * self.damping.factor(-v).0
+    pub fn force(&self, gap: f64, v: f64) -> f64 {
+        self.stiffness * (-gap).max(0.0) * self.damping.factor(-v).0
     }
 
     /// Energy that the spring holds at a gap, J.
@@ -284,37 +265,6 @@ pub fn dissipation_number(e: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tuning::LIMIT_ONSET;
-
-    /// The onset of a limit has no kink, and changes neither the force under the effort limit nor
-    /// places by more than half of it.
-    #[test]
-    fn a_limit_that_sets_in_gradually_is_where_it_was() {
-        let (stiffness, onset) = (2e6, LIMIT_ONSET);
-        let law = HuntCrossley {
-            stiffness,
-            damping: Damping::new(51.0),
-        };
-        let force = |depth: f64| law.gradual(-depth, 0.0, onset);
-        let most = stiffness * LIMIT_DEFLECTION;
-        assert!((force(LIMIT_DEFLECTION) - most).abs() < 1e-12 * most);
-        // A hundredth of the way in, the force is not yet a thousandth of that of a spring.
-        let h = 0.01 * onset;
-        assert!(force(h) > 0.0 && force(h) < 1e-3 * stiffness * h);
-        let mut worst: f64 = 0.0;
-        for i in 1..=1000 {
-            let depth = 1e-3 * f64::from(i) * LIMIT_DEFLECTION;
-            worst = worst.max((depth - force(depth) / stiffness).abs());
-        }
-        assert!((0.48 * onset..0.5 * onset).contains(&worst), "{worst}");
-        // Without an onset it is the law of steps, and damping is the same.
-        for (depth, v) in [(1e-6, 0.01), (1e-4, -0.3), (-1e-5, 0.0)] {
-            let (impulse, _) = law.respond(-depth, v, 1e-12);
-            let at_once = law.gradual(-depth, v, 0.0);
-            assert!((impulse / 1e-12 - at_once).abs() < 1e-5 * most);
-        }
-    }
-
     /// Values of the design's table, computed there by an independent root finder.
     #[test]
     fn dissipation_number_matches_the_exact_hunt_crossley_relation() {

@@ -5,7 +5,6 @@ use crate::model::Model;
 use crate::state::State;
 use crate::step::point::Context;
 use crate::tree::Tree;
-use crate::tuning::LIMIT_ONSET;
 
 /// The state as outputs show it: an integrator's quaternions are not of unit length.
 #[derive(Clone, Debug)]
@@ -36,11 +35,6 @@ pub(super) fn seen<'a>(
         posed.derived = false;
     }
     Some(posed)
-}
-
-/// Way within which limits of joints set in, rad or m; 0 where steps are taken.
-pub(super) fn onset(posed: Option<&Posed>) -> f64 {
-    posed.map_or(0.0, |_| LIMIT_ONSET)
 }
 
 impl Posed {

@@ -33,9 +33,9 @@ pub struct Context<'a> {
     pub fixed_step: f64,
     /// Most steps that may be tried in a communication step.
     pub budget: u64,
-    /// Way within which limits of joints set in, rad or m: 0 in steps, see
-    /// [`HuntCrossley::gradual`](crate::law::HuntCrossley::gradual).
-    pub onset: f64,
+    /// Whether an integrator outside takes the steps: limits of joints are then a
+    /// [`Stop`](crate::law::Stop).
+    pub exchanged: bool,
     /// Which rules act.
     pub rules: &'a Rules,
 }

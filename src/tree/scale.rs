@@ -8,9 +8,15 @@ use crate::law::motor_constants;
 use crate::law::normal::Stiffening;
 use crate::model::Model;
 use crate::spatial::{Pose, Vec3};
-use crate::tuning::{LIMIT_DEFLECTION, OVERSPEED, REFERENCE_GRAVITY, SPEED_RELAXATION};
+use crate::tuning::{LIMIT_DEFLECTION, LIMIT_LOAD, OVERSPEED, REFERENCE_GRAVITY, SPEED_RELAXATION};
 
 impl Tree {
+    /// What the limit of a joint is made for at least, N·m or N.
+    #[inline]
+    pub fn limit_load(&self, dof: usize) -> f64 {
+        LIMIT_LOAD * self.dofs.inertia[dof]
+    }
+
     /// Sets what depends on the initial position: stiffness of contacts and limits, error weights.
     ///
     /// - `inertia`: diagonal of the mass matrix, per degree of freedom
@@ -105,7 +111,7 @@ impl Tree {
                 .and_then(|j| model.joints[j.index()].effort)
                 .unwrap_or(0.0);
             let effort = if effort.is_finite() { effort } else { 0.0 };
-            *k = effort.max(inertia[dof] * 100.0) / LIMIT_DEFLECTION;
+            *k = effort.max(LIMIT_LOAD * inertia[dof]) / LIMIT_DEFLECTION;
             let limit = self.dofs.speed_limit[dof];
             if limit.is_finite() {
                 let damping = effort / (OVERSPEED * limit);

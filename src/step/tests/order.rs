@@ -89,7 +89,7 @@ fn end_by(model: &Model, method: Method, count: u32, articulated: bool) -> Vec<f
             0.0
         },
         budget: u64::MAX,
-        onset: 0.0,
+        exchanged: false,
         // Angles and energy may be what they are, and the method is on its own.
         rules: &Rules {
             coast: false,
