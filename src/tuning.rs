@@ -754,7 +754,7 @@ pub const CLOSING_SPREAD: f64 = 1.5;
 
 /// Stiffness of a limit, in those with which the joint's motor holds it, up to which an integrator
 /// may go on with its slopes where the joint has left the limit: it takes a solution for converged
-/// at a tenth of its tolerance, and is then off by at most that. At 1 and at 1e9 fails
+/// at a tenth of its tolerance, and is then off by at most that. At 0.5 and at 1e9 fails
 /// `a_joint_that_has_left_its_limit_is_announced_unless_its_motor_holds_it`.
 pub const HELD: f64 = 10.0;
 /// Longest time until the next event where shapes could pass each other, s: an event costs an

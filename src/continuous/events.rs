@@ -13,7 +13,7 @@
 //!    to overlap, or a joint has left its limit, and the integrator begins anew. What begins to act
 //!    needs none: the slopes of before are too small then, and the solution does not converge.
 //! 3. It may have begun to act after the last event, also within a step: an importer may take many
-//!    steps of its integrator for one, as FMPy does from one output to the next. So a joint that
+//!    steps of its integrator for one, as `FMPy` does from one output to the next. So a joint that
 //!    came to its limit and left it within 4 ms hovered there for a second. Therefore limits count
 //!    that have acted where derivatives were asked for. Contacts do not: trial places of the
 //!    integrator are in the ground where its steps are not, and each event costs a Jacobian.

@@ -435,7 +435,7 @@ fn a_joint_that_has_left_its_limit_is_announced_unless_its_motor_holds_it() {
         model.outputs.interface = Interface::Both;
         let mut s = exchanged(model);
         s.plan_event();
-        let inside = derivatives(&mut s, &[1e-6, 0.0]).to_vec();
+        let inside = derivatives(&mut s, &[1e-6, 0.0]);
         assert!(!s.has_event(), "it has not been at its limit");
         let beyond = derivatives(&mut s, &[-1e-6, 0.0]);
         assert!(
