@@ -98,8 +98,8 @@ mod tests {
         }
     }
 
-    /// Depths by hand: the roots of `x (1 + x³) = 10, 10³`, and the tangent at `x = 30`, from where a
-    /// contact goes on with that, for 10⁶.
+    /// Depths by hand: the roots of `x (1 + x³) = 10, 10³`, and for 10⁶ the tangent at `x = 30`, by
+    /// which a contact goes on from there.
     #[test]
     fn a_strong_joint_finds_its_limit_a_little_deeper() {
         for (loads, depth) in [(10.0, 1.697_472), (1e3, 5.615_502), (1e6, 31.758_965)] {
