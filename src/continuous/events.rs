@@ -67,15 +67,13 @@ impl Events {
     /// passed.
     ///
     /// - `A`: accelerations of all bodies about O
-    /// - `v`: velocities
     pub fn update(
         &mut self,
         ctx: &Context,
         (point, A): (&Point, &[Vec6]),
-        v: &[f64],
         time: f64,
     ) -> Option<f64> {
-        find_acting(ctx, point, v, &mut self.acted);
+        find_acting(ctx, point, &mut self.acted);
         self.known = true;
         self.next = f64::INFINITY;
         if !self.passes {
@@ -90,10 +88,10 @@ impl Events {
     }
 
     /// Takes note of limits of joints that act where derivatives are asked for.
-    pub fn watch(&mut self, ctx: &Context, point: &Point, v: &[f64]) {
+    pub fn watch(&mut self, ctx: &Context, point: &Point) {
         if self.known {
             self.now.clear();
-            add_stopped(ctx, point, v, &mut self.now);
+            add_stopped(ctx, point, &mut self.now);
             for acts in &self.now {
                 if !self.acted.contains(acts) {
                     self.acted.push(*acts);
@@ -103,17 +101,11 @@ impl Events {
     }
 
     /// Whether a step that ends at `time`, s, ends in an event.
-    pub fn has_come(
-        &mut self,
-        ctx: &Context,
-        (point, A): (&Point, &[Vec6]),
-        v: &[f64],
-        time: f64,
-    ) -> bool {
+    pub fn has_come(&mut self, ctx: &Context, (point, A): (&Point, &[Vec6]), time: f64) -> bool {
         if !self.known {
             return true;
         }
-        find_acting(ctx, point, v, &mut self.now);
+        find_acting(ctx, point, &mut self.now);
         let ended = self.acted.iter().any(|acts| !self.now.contains(acts));
         if !ended {
             self.acted.clone_from(&self.now);
@@ -127,21 +119,19 @@ impl Events {
 }
 
 /// Lists the slots of contacts whose shapes overlap, ascending, then the limits of joints that act.
-fn find_acting(ctx: &Context, point: &Point, v: &[f64], acting: &mut Vec<usize>) {
+fn find_acting(ctx: &Context, point: &Point, acting: &mut Vec<usize>) {
     acting.clear();
     let set = &point.terms.contacts;
     let overlaps = |c: &&Contact| c.depth > 0.0;
     acting.extend(set.iter().filter(overlaps).map(|contact| contact.slot));
-    add_stopped(ctx, point, v, acting);
+    add_stopped(ctx, point, acting);
 }
 
 /// Adds the limits of joints that act, by numbers that no slot has: from the largest one downwards,
 /// two for each degree of freedom.
-///
-/// - `v`: velocities
-fn add_stopped(ctx: &Context, point: &Point, v: &[f64], acting: &mut Vec<usize>) {
+fn add_stopped(ctx: &Context, point: &Point, acting: &mut Vec<usize>) {
     for term in &point.terms.joints {
-        let stopped = term.is_stopped(ctx.tree.limit_load(term.dof), v[term.dof]);
+        let stopped = term.is_stopped(ctx.tree.limit_load(term.dof));
         for (side, stopped) in stopped.into_iter().enumerate() {
             if stopped {
                 acting.push(usize::MAX - 2 * term.dof - side);

@@ -113,7 +113,7 @@ impl Drive {
     }
 
     /// By how much the force falls with the position, or with what a velocity motor remembers of
-    /// it, N·m/rad or N/m, where it is not cut.
+    /// it, N·m/rad or N/m, within its effort limit.
     pub fn stiffness(&self) -> f64 {
         match self {
             Self::None | Self::Effort(_) => 0.0,

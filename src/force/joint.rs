@@ -196,24 +196,14 @@ impl JointTerm {
         force
     }
 
-    /// Whether each of the limits acts on what an integrator outside makes of the joint at the
-    /// velocity `v`: its slope is not small beside that of a motor which holds the joint. What a
+    /// Whether each of the limits acts on what an integrator outside makes of the joint: its slope is not small beside that of a motor which holds the joint. What a
     /// servo holds just at a limit passes it with every shock, and the integrator need not know.
-    pub fn is_stopped(&self, load: f64, v: f64) -> [bool; 2] {
+    pub fn is_stopped(&self, load: f64) -> [bool; 2] {
         let stop = Stop::new(load, self.limit);
         self.gap.map(|gap| {
             let stiffness = stop.stiffness(gap);
-            stiffness > 0.0 && stiffness > HELD * self.holding(v)
+            stiffness > 0.0 && stiffness > HELD * self.drive.stiffness()
         })
-    }
-
-    /// Stiffness with which the motor holds the joint, N·m/rad or N/m.
-    fn holding(&self, v: f64) -> f64 {
-        if self.drive_force(v, 0.0).1 < 0.0 {
-            self.drive.stiffness()
-        } else {
-            0.0
-        }
     }
 
     /// Moves the place from which it acts by `moved`, rad or m.

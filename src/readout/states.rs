@@ -19,19 +19,19 @@ impl Readout {
     }
 
     /// See [`Events::watch`].
-    pub fn watch(&self, ctx: &Context, state: &State, events: &mut Events) {
-        events.watch(ctx, &self.point, &state.physical.v);
+    pub fn watch(&self, ctx: &Context, events: &mut Events) {
+        events.watch(ctx, &self.point);
     }
 
     /// See [`Events::update`].
     pub fn plan(&mut self, ctx: &Context, state: &State, events: &mut Events) -> Option<f64> {
         self.at(ctx, state, Level::BodyAccelerations);
-        events.update(ctx, (&self.point, &self.A), &state.physical.v, state.time)
+        events.update(ctx, (&self.point, &self.A), state.time)
     }
 
     /// See [`Events::has_come`].
     pub fn has_event(&mut self, ctx: &Context, state: &State, events: &mut Events) -> bool {
         self.at(ctx, state, Level::BodyAccelerations);
-        events.has_come(ctx, (&self.point, &self.A), &state.physical.v, state.time)
+        events.has_come(ctx, (&self.point, &self.A), state.time)
     }
 }

@@ -129,8 +129,7 @@ impl<'a> Reading<'a> {
         if !posed.derived {
             let rates = self.readout.rates(&self.ctx, &posed.state);
             posed.rates.copy_from_slice(rates);
-            self.readout
-                .watch(&self.ctx, &posed.state, &mut posed.events);
+            self.readout.watch(&self.ctx, &mut posed.events);
             let (states, q) = (&self.readout.states, &self.state.physical.q);
             stretch(states, q, &mut posed.rates);
             posed.derived = true;
