@@ -196,8 +196,9 @@ impl JointTerm {
         force
     }
 
-    /// Whether each of the limits acts on what an integrator outside makes of the joint: its slope is not small beside that of a motor which holds the joint. What a
-    /// servo holds just at a limit passes it with every shock, and the integrator need not know.
+    /// Whether each of the limits acts on what an integrator outside makes of the joint: its slope
+    /// is not small beside that of a motor which holds the joint. What a servo holds at a limit
+    /// passes it with every shock, and the integrator need not know.
     pub fn is_stopped(&self, load: f64) -> [bool; 2] {
         let stop = Stop::new(load, self.limit);
         self.gap.map(|gap| {
