@@ -8,7 +8,7 @@ const G: f64 = 9.81;
 
 /// A thin disc of the radius `R` whose centre is at rest wobbles on its rim for ever: leaning by
 /// `α` to the ground, its place of contact goes round with `Ω² sin α = 4 g/R`, and it turns about
-/// the diameter to that place with `Ω sin α` (McDonald 2000). Its energy is `3/2 m g R sin α`.
+/// the diameter to that place with `Ω sin α` (Moffatt 2000). Its energy is `3/2 m g R sin α`.
 ///
 /// A cylinder has penetration and damping, which take up to 5 %. Fixed steps in which the place
 /// goes round by 0.1 to 0.5 rad had one solve each, which took half of the energy and more.
