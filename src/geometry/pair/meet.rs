@@ -300,27 +300,31 @@ fn facing(p: &Placed, n: &Vec3) -> f64 {
 
 /// The points of a shape on the plane `n·x = offset`.
 fn on_plane(a: &Placed, n: &Vec3, offset: f64, reach: f64, points: &mut Points) {
+    if n.dot(&a.p) - offset > a.solid.reach + reach {
+        return;
+    }
     if let Some(round) = &a.solid.round {
         Trace::new(a, round, n, Side::First).on_plane(n, offset, reach, points);
         return;
     }
-    let mut take = |x: Vec3, share: f64| {
+    // The share of a corner of a hull takes much longer to find than its depth.
+    let mut take = |x: Vec3, share: &dyn Fn() -> f64| {
         let depth = offset - n.dot(&x);
         if depth > -reach {
-            points.add(0, point(x + n * (0.5 * depth), depth, share));
+            points.add(0, point(x + n * (0.5 * depth), depth, share()));
         }
     };
     match &a.solid.core {
-        Core::Point => take(a.p - n * a.solid.radius, 1.0),
+        Core::Point => take(a.p - n * a.solid.radius, &|| 1.0),
         Core::Box { .. } => {
             for corner in &a.solid.mesh.corners {
-                take(a.p + a.R * corner, 0.25);
+                take(a.p + a.R * corner, &|| 0.25);
             }
         }
         _ => {
             let down = a.R.tr_mul(&-n);
             for (i, corner) in a.solid.mesh.corners.iter().enumerate() {
-                take(a.p + a.R * corner, a.solid.shares.share(i, &down));
+                take(a.p + a.R * corner, &|| a.solid.shares.share(i, &down));
             }
         }
     }
