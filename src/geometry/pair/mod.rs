@@ -46,6 +46,7 @@ mod field;
 mod flush;
 mod foot;
 mod gjk;
+mod hollow;
 mod lifts;
 mod meet;
 mod mesh;

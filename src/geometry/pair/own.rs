@@ -22,6 +22,8 @@ struct OwnPoint {
     over: Vec3,
     /// The middle of the flat end of a cylinder that stands.
     end: Option<Vec3>,
+    /// The centre of a ball, or that of the end of a capsule.
+    middle: Option<Vec3>,
     rim: Option<Rim>,
 }
 
@@ -99,6 +101,11 @@ impl OwnPoints {
         }
     }
 
+    /// See `OwnPoint::middle`.
+    pub(super) fn middle(&self, own: usize) -> Option<Vec3> {
+        self.list[own].middle
+    }
+
     /// Where the points of a shape are for a normal, and what must be over a triangle for each.
     pub(super) fn places(
         &mut self,
@@ -151,6 +158,7 @@ impl OwnPoints {
                     share: 0.5,
                     over,
                     end: stands.then_some(end),
+                    middle: (!round.flat).then_some(end),
                     rim,
                 };
             }
@@ -163,6 +171,7 @@ impl OwnPoints {
                 share: 1.0,
                 over: shape.p,
                 end: None,
+                middle: Some(shape.p),
                 rim: None,
             };
             *count = 1;
@@ -177,6 +186,7 @@ impl OwnPoints {
                     share: 0.25,
                     over: shape.world(inside),
                     end: None,
+                    middle: None,
                     rim: None,
                 };
             }

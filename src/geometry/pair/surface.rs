@@ -22,6 +22,7 @@
 
 use super::core::{Core, Solid};
 use super::deepest::Deepest;
+use super::hollow::{Side, part};
 use super::meet::Meeting;
 use super::nearby::{Nearby, Parts};
 use super::own::{OwnPoints, is_far};
@@ -155,10 +156,23 @@ pub(super) fn on_surface(
                 && nearer.own == this.own
                 && (same() || nearer.point.depth > 0.0 && is_behind(facet(nearer), facet(this)))
         });
-        if !hidden {
-            sink.add(&facet(this).normal, this.point);
-        }
         found[i].1.hidden = hidden;
+    }
+    let shown = |this: &&(f64, OnFacet)| !this.1.hidden;
+    for list in found.chunk_by(|(_, a), (_, b)| a.own == b.own) {
+        let middle = own.middle(list[0].1.own);
+        let sides = list.iter().filter(shown).map(|(_, this)| Side {
+            normal: facet(this).normal,
+            height: middle.map_or(0.0, |middle| facet(this).height(&middle)),
+            depth: this.point.depth,
+        });
+        for (i, (_, this)) in list.iter().filter(shown).enumerate() {
+            let mut point = this.point;
+            if middle.is_some() {
+                point.share *= part(i, sides.clone(), shape.solid.blend);
+            }
+            sink.add(&facet(this).normal, point);
+        }
     }
 }
 

@@ -1,7 +1,7 @@
-//! What lies across hills so smooth that no sample of them is sharp.
+//! What lies across hills so smooth that no sample of them is sharp, or rolls in a pipe.
 
-use super::terrain::{field, ground, over};
-use super::worlds::body;
+use super::terrain::{field, ground, mesh, over};
+use super::worlds::{body, books};
 use super::*;
 use crate::spatial::rotation_from_quaternion;
 
@@ -89,6 +89,57 @@ fn what_lies_across_a_smooth_hill_does_not_sink_into_it() {
                     "{name} on a {kind} of {cells} cells: {deep:e}"
                 );
             }
+        }
+    }
+}
+
+/// A ball of 0.1 m without friction that slides to and fro in a half-pipe of 0.5 m, a mesh of strips
+/// of 2.6 mm, for 3 s. Truth: an integration of the ball on the deepest strip, with the same law,
+/// loses 3 mJ of 0.48 J, at a penetration of 1 mm 15 mJ, and without dissipation 2 mJ. While two
+/// strips carried the ball twice at each edge, it lost up to 62 mJ and up to 0.43 J, the more the
+/// smaller the tolerance, and without dissipation it rose by 0.21 J.
+#[test]
+fn a_ball_in_a_pipe_of_triangles_is_carried_once() {
+    let (wide, radius, strips) = (0.5, 0.1, 720);
+    let at = |i: usize, y: f64| {
+        let angle = 1.2 * std::f64::consts::PI * (i as f64 / strips as f64 - 0.5);
+        Vec3::new(wide * angle.sin(), y, wide * (1.0 - angle.cos()))
+    };
+    let pipe: Vec<[Vec3; 3]> = (0..strips)
+        .flat_map(|i| {
+            let [a, b] = [i, i + 1].map(|i| [-0.5, 0.5].map(|y| at(i, y)));
+            [[a[0], b[0], b[1]], [a[0], b[1], a[1]]]
+        })
+        .collect();
+    let way = wide - radius;
+    let begin = Vec3::new(way * 0.5_f64.sin(), 0.0, wide - way * 0.5_f64.cos());
+    for (penetration, dissipation, most) in
+        [(1e-4, 51.0, 0.022), (1e-3, 51.0, 0.026), (1e-4, 0.0, 0.022)]
+    {
+        for (tolerance, fixed_step) in [(1e-3, 0.0), (1e-4, 0.0), (1e-5, 0.0), (1e-3, 1.0 / 240.0)]
+        {
+            let mut model = over(
+                ground(mesh(&pipe), Vec3::zeros()),
+                body(1.0, Shape::Sphere { radius }, begin),
+            );
+            for link in &mut model.links {
+                link.friction = 0.0;
+            }
+            model.contact.penetration = penetration;
+            model.contact.dissipation = dissipation;
+            model.solver.step_size = fixed_step;
+            let mut s = start(model, tolerance);
+            let (whole, mut least, mut rise) = (books(&s).2, f64::INFINITY, 0.0_f64);
+            for i in 1..=720 {
+                run(&mut s, f64::from(i) / 240.0, 1.0 / 240.0);
+                let held = books(&s).2;
+                least = least.min(held);
+                rise = rise.max(held - least);
+            }
+            let lost = whole - books(&s).2;
+            let case = format!("{penetration} m, {dissipation}, {tolerance}, {fixed_step}");
+            assert!(lost < most, "{case}: {lost} J lost");
+            assert!(rise < 6e-3, "{case}: rose by {rise} J");
         }
     }
 }
