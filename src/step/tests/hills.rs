@@ -93,11 +93,11 @@ fn what_lies_across_a_smooth_hill_does_not_sink_into_it() {
     }
 }
 
-/// A ball of 0.1 m without friction that slides to and fro in a half-pipe of 0.5 m, a mesh of strips
-/// of 2.6 mm, for 3 s. Truth: an integration of the ball on the deepest strip, with the same law,
-/// loses 3 mJ of 0.48 J, at a penetration of 1 mm 15 mJ, and without dissipation 2 mJ. While two
-/// strips carried the ball twice at each edge, it lost up to 62 mJ and up to 0.43 J, the more the
-/// smaller the tolerance, and without dissipation it rose by 0.21 J.
+/// A ball of 0.1 m without friction that slides to and fro in a half-pipe of 0.5 m, a mesh of
+/// strips of 2.6 mm, for 3 s. Truth: an integration of the ball on the deepest strip, with the same
+/// law, loses 3 mJ of 0.48 J, at a penetration of 1 mm 15 mJ, and without dissipation 2 mJ. While
+/// two strips carried the ball twice at each edge, it lost up to 62 mJ and up to 0.43 J, the more
+/// the smaller the tolerance, and without dissipation it rose by 0.21 J.
 #[test]
 fn a_ball_in_a_pipe_of_triangles_is_carried_once() {
     let (wide, radius, strips) = (0.5, 0.1, 720);
