@@ -3,8 +3,8 @@
 //! Each is taken in two stages. Where what touches is not the same in both, or friction lags behind
 //! its cones, it has one solve with the friction cones and the bias of its start instead, and one
 //! with those of its middle unless that changes nothing. It is taken in parts where something turns
-//! far in it or it makes energy, and under error control where a point bounces or no part is short
-//! enough.
+//! far in it, its middle is not found, or it makes energy or takes some as lever arms turn, and
+//! under error control where a point bounces or no part is short enough.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -62,8 +62,8 @@ impl Fixed {
 pub(super) enum Outcome {
     /// It may be accepted.
     Good,
-    /// Something turns too far in it, it makes energy or takes some from what keeps it, or it
-    /// leaves the numbers: a shorter one may do.
+    /// Something turns too far in it, its middle is not found, it makes energy or takes some from
+    /// what keeps it, or it leaves the numbers: a shorter one may do.
     Bad,
     /// A contact with restitution touches in it.
     Bounces,

@@ -346,7 +346,9 @@ impl Stages {
         }
     }
 
-    /// Energy, J, that one solve over `h` seconds takes by what contacts have drifted.
+    /// Energy, J, that one solve over `h` seconds takes by what contacts have drifted: of the lever
+    /// arms of its middle each impulse acts on the mean of the velocities at both ends, and what
+    /// the arms have turned since the start is in one of them.
     pub fn taken_by_drift(&self, contacts: &ContactSet, solved: &Responses, h: f64) -> f64 {
         let mut middles = self.middle.terms.contacts.iter().peekable();
         let mut taken = 0.0;
