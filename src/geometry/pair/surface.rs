@@ -161,15 +161,15 @@ pub(super) fn on_surface(
     let shown = |this: &&(f64, OnFacet)| !this.1.hidden;
     for list in found.chunk_by(|(_, a), (_, b)| a.own == b.own) {
         let middle = own.middle(list[0].1.own);
-        let sides = list.iter().filter(shown).map(|(_, this)| Side {
-            normal: facet(this).normal,
-            height: middle.map_or(0.0, |middle| facet(this).height(&middle)),
-            depth: this.point.depth,
-        });
         for (i, (_, this)) in list.iter().filter(shown).enumerate() {
             let mut point = this.point;
-            if middle.is_some() {
-                point.share *= part(i, sides.clone(), shape.solid.blend);
+            if let Some(middle) = &middle {
+                let sides = list.iter().filter(shown).map(|(_, this)| Side {
+                    normal: facet(this).normal,
+                    height: facet(this).height(middle),
+                    depth: this.point.depth,
+                });
+                point.share *= part(i, sides, shape.solid.blend);
             }
             sink.add(&facet(this).normal, point);
         }

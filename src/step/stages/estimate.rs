@@ -112,8 +112,8 @@ impl Stages {
     }
 
     /// Whether a step that has been solved errs by more than the tolerance because its middle has
-    /// not been found: each solve leads to another one. What turns under a load moves so fast that
-    /// the step does not resolve it, as the links of a light rope that carries tons.
+    /// not been found: each solve leads to another one. So it is where something swings across its
+    /// load faster than the step resolves, as the light links of a rope with a heavy load do.
     pub fn has_no_middle(&self) -> bool {
         self.off > 1.0
     }
