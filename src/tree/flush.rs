@@ -14,7 +14,7 @@ impl Tree {
     /// them.
     pub(super) fn join_solids(&mut self) {
         let colliders = &self.contact.colliders;
-        let mut still: Vec<(usize, Pose, Arc<Solid>)> = colliders
+        let still: Vec<(usize, Pose, Arc<Solid>)> = colliders
             .iter()
             .enumerate()
             .filter(|(_, collider)| !collider.moves)
@@ -23,17 +23,18 @@ impl Tree {
                 Some((place, X, collider.solid.clone()?))
             })
             .collect();
-        if self.contact.has_ground {
-            let ground = Arc::new(Solid::new(&Shape::Plane, 0.0));
-            still.push((colliders.len(), Pose::IDENTITY, ground));
-        }
+        let ground = self.contact.has_ground;
+        let ground = ground.then(|| Solid::new(&Shape::Plane, 0.0));
         let moving = colliders.iter().filter(|collider| collider.moves);
         let widest = moving.fold(0.0_f64, |most, collider| most.max(collider.radius));
         let mut joined = Vec::new();
-        for (place, X, solid) in &still[..still.len() - usize::from(self.contact.has_ground)] {
+        for (place, X, solid) in &still {
             let back = X.inverse();
             let (mut beside, mut across) = (Vec::new(), Vec::new());
-            for (_, other, shape) in still.iter().filter(|(other, ..)| other != place) {
+            let others = still.iter().filter(|(other, ..)| other != place);
+            let others = others.map(|(_, other, shape)| (other, &**shape));
+            let ground = ground.as_ref().map(|plane| (&Pose::IDENTITY, plane));
+            for (other, shape) in others.chain(ground) {
                 let there = back.compose(other);
                 match solid.touched_by(shape, &there) {
                     Some(touches) => beside.push(touches),
@@ -178,6 +179,43 @@ mod tests {
                     assert!(off.abs() < 1e-4 * speed, "{case}: {off} m behind");
                     assert!(highest < 0.025 + 2e-5, "{case}: {highest} m high");
                 }
+            }
+        }
+    }
+
+    /// A block that slides askew over tiles with gaps on all sides of them keeps its velocity, as
+    /// on one plate. Where it came upon the corner of a tile, two walls lean out of it: while one
+    /// of them alone was left out, the block was 4 to 17 cm off.
+    #[test]
+    fn what_slides_askew_over_tiles_slides_as_on_one_plate() {
+        let (side, gap) = (0.25, 6.3e-4);
+        for fixed_step in [0.0, 1.0 / 240.0] {
+            for yaw in [-2.56, 0.7, 1.9] {
+                let half = Vec3::new(0.075, 0.05, 0.03);
+                let mut b = Builder::new(true, inertia(11.8, Vec3::zeros(), [3e-2; 3]));
+                b.shape(LinkId(0), Shape::Box { half }, Pose::IDENTITY);
+                let mut model = b.model;
+                model.roots[0].position = Vec3::new(0.013, 0.021, 0.03);
+                model.roots[0].rpy.z = yaw;
+                model.roots[0].linear_velocity = Vec3::new(2.19, 0.1, 0.0);
+                for i in 0..36 {
+                    let mut b = Builder::new(false, RigidInertia::ZERO);
+                    let half = Vec3::new(0.5 * side, 0.5 * side, 0.1);
+                    b.shape(LinkId(0), Shape::Box { half }, Pose::IDENTITY);
+                    let at = |i: i32| f64::from(i) * (side + gap);
+                    b.model.roots[0].position = Vec3::new(at(i / 3 - 1), at(i % 3 - 1), -0.1);
+                    model.join(b.model, &format!("tile{i}"), RootKind::Object);
+                }
+                for link in &mut model.links {
+                    link.friction = 0.0;
+                }
+                model.world.ground = None;
+                model.solver.step_size = fixed_step;
+                let mut s = start(model, 1e-3);
+                run(&mut s, 0.9, 1.0 / 240.0);
+                let q = &s.state().physical.q;
+                let off = Vec3::new(q[0] - 0.013 - 1.971, q[1] - 0.021 - 0.09, q[2] - 0.03);
+                assert!(off.norm() < 1e-3, "{fixed_step} {yaw}: {off:?}");
             }
         }
     }

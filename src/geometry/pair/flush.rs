@@ -7,9 +7,8 @@
 //! normal of that wall is left out. Between two level plates, the normal is that of both.
 //!
 //! The same holds for a plate whose top is level with the ground, and for two level plates with a
-//! gap between them while what slides has a face on both or lies on the other one: the next plate
-//! carries that face where it ends, at the depth that it has. What rolls comes down into a gap, and
-//! meets its edge.
+//! gap between them, as long as a face or the flat end of what slides lies on the one plate where
+//! it comes to the other one. What rolls comes down into a gap, and meets its edge.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -135,10 +134,7 @@ fn kept((p, o): (&Placed, &Placed), n: &Vec3, x: &Vec3) -> Option<Vec3> {
     let mut changed = false;
     for (n, height) in p.solid.faces() {
         let lean = n.dot(&d);
-        let is_closed = || {
-            let up = (d - n * lean).try_normalize(STRAIGHT);
-            is_covered(p.solid, (n, height), &x) || up.is_some_and(|up| is_bridged((p, o), &n, &up))
-        };
+        let is_closed = || is_covered(p.solid, (n, height), &x) || is_bridged((p, o), &n, &d);
         if lean > LEAN && is_closed() {
             d -= n * lean;
             changed = true;
@@ -155,24 +151,22 @@ fn is_covered(solid: &Solid, (n, height): Face, x: &Vec3) -> bool {
     solid.beside.iter().any(|other| other.holds(&beyond, SEAM))
 }
 
-/// Whether `o` lies on what goes on as high as `p` behind the gap at its wall `n`; `up` in the axes
-/// of `p`.
-fn is_bridged((p, o): (&Placed, &Placed), n: &Vec3, up: &Vec3) -> bool {
-    let level = |a: &&Across| a.wall == *n && (a.up - up).norm() < EVEN_EDGE;
-    let level = p.solid.across.iter().filter(level);
-    if level.clone().next().is_none() {
-        return false;
-    }
-    let (n, up) = (p.R * n, p.R * up);
-    let lies = |x: Vec3| {
-        let x = p.R.tr_mul(&(x - p.p));
-        level.clone().any(|a| a.sides.holds(&x, 0.0))
-    };
+/// Whether `o` lies on what goes on as high as `p` behind the gap at its wall `n`, with a face that
+/// the direction `d` out of `p` leads out of; both in the axes of `p`. At a corner `d` leans to two
+/// walls.
+fn is_bridged((p, o): (&Placed, &Placed), n: &Vec3, d: &Vec3) -> bool {
+    let mut across = p.solid.across.iter();
+    across.any(|a| a.wall == *n && a.up.dot(d) > STRAIGHT && lies_on((p, o), a))
+}
+
+/// Whether `o` lies with a face or a flat end on what is level with `p` behind a gap.
+fn lies_on((p, o): (&Placed, &Placed), level: &Across) -> bool {
+    let (n, up) = (p.R * level.wall, p.R * level.up);
+    let lies = |x: Vec3| level.sides.holds(&p.R.tr_mul(&(x - p.p)), 0.0);
     match o.core {
         Core::Box { .. } | Core::Corners(_) => {
-            let places = || (0..).map_while(|i| place(o, &-up, i));
-            let least = places().fold(f64::INFINITY, |least, x| least.min(up.dot(&x)));
-            let lowest = || places().filter(|x| up.dot(x) < least + o.solid.blend);
+            let least = foot(o, &up);
+            let lowest = || places(o, &up).filter(|x| up.dot(x) < least + o.solid.blend);
             lowest().count() > 2 && lowest().any(lies)
         }
         // On its rim, the place that is farthest beyond the gap.
@@ -238,6 +232,17 @@ fn place(on: &Placed, down: &Vec3, index: usize) -> Option<Vec3> {
     (index < count).then(|| on.p + end + radial)
 }
 
+/// All of them.
+fn places<'a>(on: &'a Placed, up: &Vec3) -> impl Iterator<Item = Vec3> + 'a {
+    let down = -up;
+    (0..).map_while(move |i| place(on, &down, i))
+}
+
+/// How high the lowest place of a core is along `up`, m.
+fn foot(on: &Placed, up: &Vec3) -> f64 {
+    places(on, up).fold(f64::INFINITY, |least, x| least.min(up.dot(&x)))
+}
+
 /// Adds the lowest points of what lies on a solid with covered walls, as far as they are over it:
 /// they lose their shares as they rise by `blend` above the lowest one.
 ///
@@ -250,13 +255,12 @@ pub(super) fn lowest(
     points: &mut Points,
 ) {
     let (on, under) = if kept.first { (b, a) } else { (a, b) };
-    let (up, down) = (kept.outward, -kept.outward);
-    let places = || (0..).map_while(|i| place(on, &down, i));
-    let least = places().fold(f64::INFINITY, |least, x| least.min(up.dot(&x)));
+    let up = kept.outward;
+    let least = foot(on, &up);
     let rise = |x: &Vec3| up.dot(x) - least;
     let weight = |x: &Vec3| (1.0 - rise(x) / blend).max(0.0);
-    let total: f64 = places().map(|x| weight(&x)).sum();
-    for x in places() {
+    let total: f64 = places(on, &up).map(|x| weight(&x)).sum();
+    for x in places(on, &up) {
         let (share, gap) = (left * weight(&x) / total, gap + rise(&x));
         if share > 0.0 && is_over((under, on), &up, &x) {
             let middle = x - up * (on.solid.radius + 0.5 * gap);
