@@ -11,7 +11,6 @@
 use super::contact::{Contact, Response};
 use super::point::{ContactPoint, PointResponse};
 use super::terms::{Responses, Terms, Velocities};
-use crate::law::ElastoPlastic;
 use crate::spatial::{Vec3, Vec6};
 
 /// By how much the friction cone of a contact that slips grows, N·s: along a direction, and along
@@ -183,10 +182,7 @@ impl Contact {
         if sticks && force.norm_squared() <= cap * cap {
             return None;
         }
-        let friction = ElastoPlastic {
-            cap,
-            ..self.friction
-        };
+        let friction = self.rubbing_under(r.load / h);
         let more = friction.respond(self.slid(u), h).force - force;
         (more != Vec3::zeros()).then_some(more)
     }

@@ -177,6 +177,10 @@ pub struct Contact {
     pub rubbing: f64,
     /// Coulomb coefficient at the speed of the slip at the start of the step.
     pub mu: f64,
+    /// Critical damping of its friction for the load at the start, N·s/m.
+    pub critical: f64,
+    /// Damping of its friction over the normal force in an impact, s/m.
+    pub dissipation: f64,
     /// See [`ElastoPlastic::wound`], m/s; 0 where friction is not higher at rest.
     pub wound: f64,
     /// Friction in the tangent plane, and along the normal against drilling; world axes. It slips
@@ -292,10 +296,22 @@ impl Contact {
             })
     }
 
-    /// Sets the friction that slips for a normal force, N.
+    /// Sets the friction for a normal force, N.
     #[inline]
     pub fn carry(&mut self, force: f64) {
-        self.friction.cap = self.mu * force;
+        self.friction = self.rubbing_under(force);
+    }
+
+    /// Its friction under a normal force, N: it slips in proportion to it. Nor is its damper less:
+    /// in an impact, a damper in proportion to the normal force lets what sticks creep by less than
+    /// one over the dissipation, at any speed. At rest the critical one is more.
+    #[inline]
+    pub(super) fn rubbing_under(&self, force: f64) -> ElastoPlastic<Vec3> {
+        ElastoPlastic {
+            cap: self.mu * force,
+            damping: self.critical.max(self.dissipation * force),
+            ..self.friction
+        }
     }
 
     /// Force of the spring with its damping, N, and its derivative with the depth, at the depth

@@ -97,13 +97,12 @@ impl Meeting<'_> {
         let [load, elastic] = contact.loads(speed);
         // An impact presses with more than the spring does, and its friction is as much quicker:
         // with the damper of a load at rest it gave way sideways first, and when it had caught up
-        // no load was left to stop the slip. In the impact itself a damper in proportion to the
-        // normal force is more than critical: it lets what sticks creep by less than one over the
-        // dissipation, at any speed. At rest the critical one is more.
+        // no load was left to stop the slip.
         let pressing = if load > elastic { load / elastic } else { 1.0 };
+        contact.critical = 2.0 * (slope * pressing * mass).sqrt();
+        contact.dissipation = self.dissipation;
         contact.friction = ElastoPlastic {
             stiffness: slope,
-            damping: (2.0 * (slope * pressing * mass).sqrt()).max(self.dissipation * load),
             ..ElastoPlastic::default()
         };
         contact.friction.displacement = contact.recall_slip(&stored.displacement);

@@ -23,15 +23,17 @@ mod cones;
 mod factor;
 mod hessian;
 mod line_search;
+mod problem;
 
 use crate::closure::Rows;
 use crate::force::{ContactSet, Growth, Response, Responses, Solved, Terms, Velocities};
 use crate::kinematics::{Kinematics, forward};
 use crate::spatial::{Vec6, add6, dot6};
 use crate::tree::Tree;
-use crate::tuning::{COARSEST, ITERATED, MAX_ITERATIONS};
+use crate::tuning::MAX_ITERATIONS;
 
 pub use factor::Factor;
+pub use problem::{Frame, Problem, coarser};
 
 /// How a solve ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,50 +113,6 @@ crate::spoil::spoil!(
     Newton: v at responses change gradient direction direction_momentum factor factored V
     along F G loaded is_loaded forces left pushed round_off lagging pull turned growth;
 );
-
-/// What a solve is about.
-#[derive(Clone, Copy, Debug)]
-pub struct Problem<'a> {
-    /// The robot.
-    pub tree: &'a Tree,
-    /// Mass matrix, joint motions, velocities at the start of the step.
-    pub kin: &'a Kinematics,
-    /// `k`: at the start of the step, or at its middle.
-    pub bias: &'a [f64],
-    /// What acts.
-    pub terms: &'a Terms,
-    /// s
-    pub h: f64,
-    /// Time from where `kin` stands to the end of the step, s.
-    pub ahead: f64,
-    /// Relative accuracy of the impulses that a guess must have.
-    pub accuracy: f64,
-    /// The same after an iteration. A guess that is taken as it is repeats its error in every step,
-    /// while the rest that an iteration leaves is new each time and far below what the step's error
-    /// estimate sees: it may be coarser.
-    pub iterated: f64,
-}
-
-impl<'a> Problem<'a> {
-    /// A step of `h` seconds with the bias of `kin`.
-    pub fn new(
-        (tree, kin): (&'a Tree, &'a Kinematics),
-        terms: &'a Terms,
-        h: f64,
-        accuracy: f64,
-    ) -> Self {
-        Self {
-            tree,
-            kin,
-            bias: &kin.bias,
-            terms,
-            h,
-            ahead: h,
-            accuracy,
-            iterated: accuracy.max((ITERATED * accuracy).min(COARSEST)),
-        }
-    }
-}
 
 impl Newton {
     /// Buffers for a tree with at most so many contacts and contact points.

@@ -18,14 +18,14 @@ use crate::state::{Counters, Physical, State};
 use crate::step::attempt::Attempt;
 use crate::step::caps::still_bounces;
 use crate::step::closing::Closing;
-use crate::step::convex::Problem;
+use crate::step::convex::{Frame, Problem};
 use crate::step::explicit::Explicit;
 use crate::step::guards;
 use crate::step::implicit::Implicit;
 use crate::step::point::{Context, Point};
 use crate::step::size::{fastest, fastest_within, worst_error};
-use crate::step::stages::Stages;
 use crate::step::stages::secants::Ending;
+use crate::step::stages::{Stages, lag_allowed};
 use crate::tree::Tree;
 use crate::tuning::{AHEAD, CALM, FIXED_ACCURACY, GAIN, MAX_PARTS, STEP_ROUND_OFF, TURN, WHIRL};
 
@@ -252,14 +252,21 @@ impl Fixed {
         forward(tree, &here.kin.S, &self.mean, &mut here.kin.V);
         let (wrenches, middle) = (&ctx.inputs.wrenches, ctx.elapsed + 0.5 * h);
         rnea::bias(tree, &mut here.kin, &self.mean, wrenches, middle);
-        let problem = Problem {
+        let Point { kin, terms, .. } = &mut **here;
+        let frame = Frame {
+            tree,
+            kin,
+            h,
             ahead: if turning { 0.5 * h } else { h },
-            ..fixed_problem(here, tree, h)
+            accuracy: FIXED_ACCURACY,
         };
         if turning {
-            implicit.full.guess(&problem, &from.v, &self.first);
+            implicit
+                .full
+                .guess(&frame.with(terms), &from.v, &self.first);
         }
-        let outcome = implicit.full.solve(&problem);
+        let cones = lag_allowed(ctx, h);
+        let (outcome, _) = implicit.full.solve_with_cones(&frame, terms, cones, None);
         implicit.iterations = implicit.iterations.max(outcome.iterations);
         counters.rejected += u64::from(!outcome.converged);
         if !tree.worked_dofs().all(|k| implicit.full.v[k].is_finite()) {

@@ -58,11 +58,11 @@ use crate::model::Model;
 use crate::spatial::Vec6;
 use crate::state::{Physical, Trend};
 use crate::step::attempt::mean_acceleration;
-use crate::step::convex::{Newton, Problem, Run};
+use crate::step::convex::{Frame, Newton, coarser};
 use crate::step::point::{Context, Point};
 use crate::tree::Tree;
 use crate::tuning::{
-    BOUNCE_SHARE, CONTACT_STEP, FIXED_ACCURACY, LAG_SHARE, MAX_CARRIES, MISPLACED, VELOCITY_WEIGHT,
+    BOUNCE_SHARE, CONTACT_STEP, FIXED_ACCURACY, LAG_SHARE, MISPLACED, VELOCITY_WEIGHT,
 };
 use std::f64::consts::SQRT_2;
 
@@ -436,62 +436,40 @@ impl Stages {
             (second, second_terms, Some((&*first, &first_terms.contacts)))
         };
         let fixed = (ctx.fixed_step > 0.0).then_some(FIXED_ACCURACY[1]);
-        macro_rules! problem {
-            () => {{
-                let problem = Problem::new((tree, kin), terms, eta, accuracy);
-                Problem {
-                    ahead: 0.5 * DRIFT[stage] * (eta / GAMMA),
-                    iterated: fixed.unwrap_or(problem.iterated),
-                    ..problem
-                }
-            }};
-        }
-        solved.guess(&problem!(), &self.from, &self.guess);
+        let frame = Frame {
+            tree,
+            kin,
+            h: eta,
+            ahead: 0.5 * DRIFT[stage] * (eta / GAMMA),
+            accuracy: [accuracy, fixed.unwrap_or(coarser(accuracy))],
+        };
+        solved.guess(&frame.with(terms), &self.from, &self.guess);
         solved.carry(terms, eta);
-        let (mut run, mut carried, mut last) = (Run::default(), 0, f64::INFINITY);
-        let shared =
-            before.and_then(|(first, contacts)| first.factor_for(contacts, solved, &problem!()));
-        let mut factor = shared;
-        // What many short steps leave shall not add up to more than what few long ones do.
-        let allowed = LAG_SHARE * (eta / (GAMMA * CONTACT_STEP)).min(1.0);
-        let bound = allowed * ctx.tolerance / VELOCITY_WEIGHT;
-        let mut changed = true;
-        loop {
-            let given = factor.take();
-            let ended = solved.aim(&problem!(), &mut run, given);
-            if ended.is_none() {
-                if ctx.rules.cones && carried < MAX_CARRIES {
-                    solved.foresee((tree, kin), (terms, eta), given, bound);
-                }
-                solved.walk(&problem!());
-            }
-            // An iteration that ends the run moves nothing.
-            if changed || ended.is_none() {
-                self.lag[stage] = if ctx.rules.cones {
-                    VELOCITY_WEIGHT * solved.lag(&problem!(), shared) / ctx.tolerance
-                } else {
-                    0.0
-                };
-            }
-            changed = self.lag[stage] > allowed && carried < MAX_CARRIES;
-            if changed {
-                // Those that halve what cones lag behind lead to an end by themselves.
-                carried += usize::from(self.lag[stage] > 0.5 * last);
-                last = self.lag[stage];
-                solved.carry(terms, eta);
-            } else if let Some(outcome) = ended {
-                if ctx.tree.driven().next().is_some() {
-                    // The work of what drives them is of these forces, and the lag's are elsewhere.
-                    solved.collect(&problem!());
-                }
-                self.iterations = self.iterations.max(outcome.iterations);
-                return outcome.converged;
-            }
+        let shared = before
+            .and_then(|(first, contacts)| first.factor_for(contacts, solved, &frame.with(terms)));
+        let cones = lag_allowed(ctx, eta / GAMMA);
+        let (outcome, lag) = solved.solve_with_cones(&frame, terms, cones, shared);
+        self.lag[stage] = VELOCITY_WEIGHT * lag / ctx.tolerance;
+        if tree.driven().next().is_some() {
+            // The work of what drives them is of these forces, and the lag's are elsewhere.
+            solved.collect(&frame.with(terms));
         }
+        self.iterations = self.iterations.max(outcome.iterations);
+        outcome.converged
     }
 
     /// What friction cones still lag behind, as an error relative to the tolerance.
     pub fn lag(&self) -> f64 {
         self.lag[0].max(self.lag[1])
     }
+}
+
+/// What friction cones may lag behind in a step of `h` seconds before a solve takes other ones,
+/// rad/s; infinite where they stay as they are.
+pub(super) fn lag_allowed(ctx: &Context, h: f64) -> f64 {
+    if !ctx.rules.cones {
+        return f64::INFINITY;
+    }
+    // What many short steps leave shall not add up to more than what few long ones do.
+    LAG_SHARE * (h / CONTACT_STEP).min(1.0) * ctx.tolerance / VELOCITY_WEIGHT
 }

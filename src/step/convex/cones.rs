@@ -11,12 +11,53 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::{Factor, Newton, Problem, project};
+use super::{Factor, Frame, Newton, Outcome, Problem, Run, project};
 use crate::force::{Response, Terms};
 use crate::kinematics::{Kinematics, forward};
 use crate::tree::Tree;
+use crate::tuning::MAX_CARRIES;
 
 impl Newton {
+    /// Minimises from the guess, with the friction cones that it finds itself, and returns how that
+    /// went and what the cones still lag behind, see [`Self::lag`].
+    ///
+    /// - `bound`: what they may lag behind, rad/s; infinite where they stay as they are
+    /// - `shared`: a factor that does for the first Hessian, if there is one
+    pub fn solve_with_cones(
+        &mut self,
+        frame: &Frame,
+        terms: &mut Terms,
+        bound: f64,
+        shared: Option<&Factor>,
+    ) -> (Outcome, f64) {
+        let (mut run, mut carried, mut last) = (Run::default(), 0, f64::INFINITY);
+        let moves = bound < f64::INFINITY;
+        let (mut factor, mut changed, mut lag) = (shared, true, 0.0);
+        loop {
+            let given = factor.take();
+            let ended = self.aim(&frame.with(terms), &mut run, given);
+            if ended.is_none() {
+                if moves && carried < MAX_CARRIES {
+                    self.foresee((frame.tree, frame.kin), (terms, frame.h), given, bound);
+                }
+                self.walk(&frame.with(terms));
+            }
+            // An iteration that ends the run moves nothing.
+            if moves && (changed || ended.is_none()) {
+                lag = self.lag(&frame.with(terms), shared);
+            }
+            changed = lag > bound && carried < MAX_CARRIES;
+            if changed {
+                // Those that halve what cones lag behind lead to an end by themselves.
+                carried += usize::from(lag > 0.5 * last);
+                last = lag;
+                self.carry(terms, frame.h);
+            } else if let Some(outcome) = ended {
+                return (outcome, lag);
+            }
+        }
+    }
+
     /// Sets the friction cones of `terms` to the normal forces of the responses over `h` seconds,
     /// and the friction of these to the new cones.
     pub fn carry(&mut self, terms: &mut Terms, h: f64) {

@@ -82,49 +82,36 @@ fn slip_after(lean: f64, friction: f64, speed: f64, (mode, time): ((f64, f64), f
 
 /// A rod that comes down on one end, without restitution, and needs less friction to stick there
 /// than it has (0.58 of 0.8): the impulse stops the end, and the rod then turns about it. At 5 m/s
-/// it turns so fast that the end lifts off and is pulled aside at 25 m/s². So under error control
-/// the look is right after the impact there: 25 ms later the end passed through 0 where the impact
-/// had left 0.19 m/s.
+/// it turns so fast that the end lifts off and is pulled aside at 25 m/s². So the look is right
+/// after the impact there.
 ///
 /// Truth: the rigid impact, in which the hypotheses of Newton, Poisson and Routh agree that both
 /// velocities of the end are 0 afterwards.
 #[test]
 fn a_rod_that_lands_on_one_end_sticks_there() {
     let later = 6.0 / 240.0;
-    for (speed, time) in [
-        (0.5, later),
-        (1.0, later),
-        (2.0, later),
-        (3.0, later),
-        (5.0, 1e-3),
-    ] {
-        for (mode, time, allowed) in [
-            ((1e-3, 0.0), time, 0.03),
-            ((1e-5, 0.0), time, 0.01),
-            (FIXED, later, 0.02),
-        ] {
+    for speed in [0.5, 1.0, 2.0, 3.0, 5.0] {
+        for mode in [(1e-3, 0.0), (1e-5, 0.0), FIXED] {
+            let time = if speed < 5.0 { later } else { mode.1.max(1e-3) };
             let slip = slip_after(0.8, 0.8, speed, (mode, time));
-            assert!(
-                slip.abs() < allowed * speed,
-                "{speed} m/s at {mode:?}: {slip}"
-            );
+            assert!(slip.abs() < 0.01 * speed, "{speed} m/s at {mode:?}: {slip}");
         }
     }
 }
 
 /// Rods that have hardly more friction than they need to stick (0.75, 0.59, 0.36 at 30°, 45° and
 /// 60°), by the same truth, right after the impact. Before, a tenth of the speed was left at any
-/// tolerance.
+/// tolerance, and in fixed steps up to 0.23.
 #[test]
 fn a_rod_that_has_hardly_enough_friction_sticks_too() {
     for (degrees, friction) in [(30.0_f64, 0.8), (45.0, 0.6), (60.0, 0.5)] {
         for speed in [0.5, 1.0, 2.0, 3.0, 5.0] {
-            for (tolerance, allowed) in [(1e-3, 0.07), (1e-5, 0.03)] {
-                let look = ((tolerance, 0.0), 1e-3);
+            for mode in [(1e-3, 0.0), (1e-5, 0.0), FIXED] {
+                let look = (mode, mode.1.max(1e-3));
                 let slip = slip_after(degrees.to_radians(), friction, speed, look);
                 assert!(
-                    slip.abs() < allowed * speed,
-                    "{degrees}°, {speed} m/s at {tolerance}: {slip}"
+                    slip.abs() < 0.03 * speed,
+                    "{degrees}°, {speed} m/s at {mode:?}: {slip}"
                 );
             }
         }
@@ -261,6 +248,40 @@ fn a_box_that_lands_flat_and_slides_is_not_turned_by_round_off() {
                     v[3]
                 );
             }
+        }
+    }
+}
+
+/// A rod at 60° that comes down while its end slides forward: friction pushes the end into the
+/// ground, so that the impulse is `v/(W_nn − μ W_nt)` of the rigid impact, not `v/W_nn`. Cones of
+/// a solve without friction have only the first two terms of its series in `μ W_nt/W_nn`, which is
+/// 0.22 to 0.51 here: in fixed steps the end went on at 2.81 in place of 1.65 m/s.
+#[test]
+fn a_rod_that_slides_on_has_the_friction_of_its_own_impact() {
+    // About the axis across, of a solid rod.
+    let inertia = 1.0 / 12.0 + 1e-4;
+    let (sine, cosine) = (libm::sin(1.05), libm::cos(1.05));
+    let arm = [0.5 * cosine, 0.5 * sine + Rod::RADIUS];
+    for friction in [0.3, 0.5, 0.7] {
+        for mode in [FIXED, (1e-3, 0.0), (1e-5, 0.0)] {
+            let rod = Rod {
+                lean: 1.05,
+                velocity: [1.0, 3.0],
+                friction,
+                restitution: 0.0,
+                gap: 0.0,
+            };
+            let mut s = rod.start(mode);
+            s.advance_to(mode.1.max(1e-3)).expect("finite");
+            let coupling = arm[0] * arm[1] / inertia;
+            let along = 1.0 + arm[1] * arm[1] / inertia;
+            let impulse = 1.0 / (1.0 + arm[0] * arm[0] / inertia - friction * coupling);
+            let left = -3.0 + (friction * along - coupling) * impulse;
+            let slip = Rod::end(&s).x;
+            assert!(
+                (slip - left).abs() < 0.05,
+                "μ {friction} at {mode:?}: {slip} for {left}"
+            );
         }
     }
 }
