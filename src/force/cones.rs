@@ -11,6 +11,7 @@
 use super::contact::{Contact, Response};
 use super::point::{ContactPoint, PointResponse};
 use super::terms::{Responses, Terms, Velocities};
+use crate::law::ElastoPlastic;
 use crate::spatial::{Vec3, Vec6};
 
 /// By how much the friction cone of a contact that slips grows, N·s: along a direction, and along
@@ -172,6 +173,24 @@ impl Terms {
 }
 
 impl Contact {
+    /// Sets the friction for a normal force, N.
+    #[inline]
+    pub fn carry(&mut self, force: f64) {
+        self.friction = self.rubbing_under(force);
+    }
+
+    /// Its friction under a normal force, N: it slips in proportion to it. Nor is its damper less:
+    /// in an impact, a damper in proportion to the normal force lets what sticks creep by less than
+    /// one over the dissipation, at any speed. At rest the critical one is more.
+    #[inline]
+    fn rubbing_under(&self, force: f64) -> ElastoPlastic<Vec3> {
+        ElastoPlastic {
+            cap: self.mu * force,
+            damping: self.critical.max(self.dissipation * force),
+            ..self.friction
+        }
+    }
+
     /// Friction over `h` seconds at the velocity `u` with the cone that belongs to the normal force
     /// of a response, minus the friction of that response, N; none where both are the same.
     #[inline]

@@ -296,24 +296,6 @@ impl Contact {
             })
     }
 
-    /// Sets the friction for a normal force, N.
-    #[inline]
-    pub fn carry(&mut self, force: f64) {
-        self.friction = self.rubbing_under(force);
-    }
-
-    /// Its friction under a normal force, N: it slips in proportion to it. Nor is its damper less:
-    /// in an impact, a damper in proportion to the normal force lets what sticks creep by less than
-    /// one over the dissipation, at any speed. At rest the critical one is more.
-    #[inline]
-    pub(super) fn rubbing_under(&self, force: f64) -> ElastoPlastic<Vec3> {
-        ElastoPlastic {
-            cap: self.mu * force,
-            damping: self.critical.max(self.dissipation * force),
-            ..self.friction
-        }
-    }
-
     /// Force of the spring with its damping, N, and its derivative with the depth, at the depth
     /// `depth` that grows at `rate`; `h`: time in which a change of the depth changes the rate.
     #[inline]
