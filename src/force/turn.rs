@@ -34,6 +34,10 @@ pub struct Turn {
     /// Torsional and rolling coefficient, m: the moments that slip are those times the normal
     /// force.
     pub coefficient: [f64; 2],
+    /// Load that its stiffness is made for, N.
+    pub load: f64,
+    /// Square of the critical damping over the load that it is critical for, kg·m³, of both.
+    pub critical: [f64; 2],
     /// Friction about the normal.
     pub torsional: ElastoPlastic<f64>,
     /// Friction about the tangents, world axes.
@@ -60,10 +64,9 @@ pub fn find_turns(
         }
         let stored = seek(&mut touches, contact.slot, |t| t.slot).map_or([0.0; 3], |t| t.turn);
         let (torsion, roll) = normal_part(&contact.normal, &contact.recall(&stored));
-        let [torsional, rolling] = turning.coefficient.map(|c| {
-            let stiffness = c * turning.load / TURN_DEFLECTION;
-            (stiffness, 2.0 * (stiffness * turning.inertia).sqrt())
-        });
+        let [torsional, rolling] = turning
+            .coefficient
+            .map(|c| c * turning.load / TURN_DEFLECTION);
         let mut turn = Turn {
             contact: index,
             body: contact.body,
@@ -71,17 +74,19 @@ pub fn find_turns(
             slot: contact.slot,
             normal: contact.normal,
             coefficient: turning.coefficient.map(|c| c * contact.rubbing),
+            load: turning.load,
+            critical: turning
+                .coefficient
+                .map(|c| 4.0 * turning.inertia * c / TURN_DEFLECTION),
             torsional: ElastoPlastic {
-                cap: 0.0,
-                stiffness: torsional.0,
-                damping: torsional.1,
+                stiffness: torsional,
                 displacement: torsion,
+                ..ElastoPlastic::default()
             },
             rolling: ElastoPlastic {
-                cap: 0.0,
-                stiffness: rolling.0,
-                damping: rolling.1,
+                stiffness: rolling,
                 displacement: roll,
+                ..ElastoPlastic::default()
             },
         };
         turn.carry(contact.normal_load(&contacts.points, &kin.V));
@@ -133,10 +138,13 @@ impl Turn {
         }
     }
 
-    /// Sets the moments that slip for a normal force, N.
+    /// Sets the moments that slip for a normal force, N, and the dampers: critical for the load that
+    /// the stiffness is made for, and in an impact as if it were made for that. With the damper of
+    /// the load at rest an impact was over before friction against turning had set in.
     pub fn carry(&mut self, force: f64) {
-        self.torsional.cap = self.coefficient[0] * force;
-        self.rolling.cap = self.coefficient[1] * force;
+        let dampers = self.critical.map(|c| (c * self.load.max(force)).sqrt());
+        [self.torsional.cap, self.rolling.cap] = self.coefficient.map(|c| c * force);
+        [self.torsional.damping, self.rolling.damping] = dampers;
     }
 
     /// Begins with `share` of the change from its own angle to another one.

@@ -110,12 +110,21 @@ pub(super) fn along_edges(
     let n = apart.normal;
     let depth = a.solid.radius + b.solid.radius - apart.distance;
     let first = points.count();
+    // What is farther from the line of an edge than this has no weight. Everything within `reach`
+    // of a place is at least as far as that place, less `reach`.
+    let near = limits.level + a.solid.radius + b.solid.radius;
+    let meets = |edge: &Bar, place: &Vec3, reach: f64| {
+        edge.across(&b.R.tr_mul(&(place - b.p))) <= (near + reach) * (near + reach)
+    };
+    if !b.solid.bars.iter().any(|e| meets(e, &a.p, a.solid.reach)) {
+        return 0.0;
+    }
     let (mut sum, mut total) = (0.0, 0.0);
     let level = n.dot(&b.support(&n)) - limits.blend;
     let mut take = |bar: &Bar| {
         let along = b.R.tr_mul(&bar.along);
         for edge in reaching(b, &n, level) {
-            if edge.parallel(&along).is_none() {
+            if edge.parallel(&along).is_none() || !meets(edge, &bar.middle, bar.half) {
                 continue;
             }
             let Some(common) = bar.common(&edge.of(b), &n) else {

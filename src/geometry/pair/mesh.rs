@@ -196,6 +196,11 @@ impl Bar {
         n.dot(&self.middle) + n.dot(&self.along).abs() * self.half
     }
 
+    /// Squared distance of a place from its line, m².
+    pub(super) fn across(&self, x: &Vec3) -> f64 {
+        (x - self.middle).cross(&self.along).norm_squared()
+    }
+
     /// How parallel it is to a line along a unit vector: 1 where it is, none from 60° on.
     pub(super) fn parallel(&self, along: &Vec3) -> Option<f64> {
         let parallel = 2.0 * self.along.dot(along).abs() - 1.0;

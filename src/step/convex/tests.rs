@@ -96,6 +96,8 @@ impl Case {
                 slot: c.slot,
                 normal: c.normal,
                 coefficient: [0.1, 0.05],
+                load: 10.0,
+                critical: [0.4, 0.1],
                 torsional: ElastoPlastic {
                     cap: random.uniform(0.0, 4.0),
                     stiffness: 50.0,
