@@ -153,7 +153,7 @@ spoil!(Other: body from axes;);
 spoil!(
     Contact: body other link other_link slot thickness mass normal uneven points depth weights
     spring damping load tilting bounce duration center radius drift rise bent carried rubbing mu
-    critical dissipation wound friction;
+    turning critical dissipation wound friction;
 );
 spoil!(ContactPoint: corner x normal row arm depth share load rim;);
 

@@ -30,6 +30,7 @@ mod scale;
 mod scenery;
 mod seams;
 mod spinning;
+mod turning;
 
 pub use base::BaseFrame;
 pub use closure::{Closure, ClosureKind, End, TreeSpring};
@@ -37,10 +38,11 @@ pub use kept::Kept;
 pub(crate) use kept::Space;
 pub use parts::{
     Actuators, Contacts, Dofs, DryFriction, Extent, Island, Span, Surface, Tree, TreeBody,
-    TreeCollider, Turning, World, harmonic_mean,
+    TreeCollider, World, harmonic_mean,
 };
 
 use scenery::Scenery;
+use turning::Turning;
 
 use crate::geometry::pair::Solid;
 use crate::geometry::{Faces, Shape};
@@ -286,6 +288,10 @@ impl Tree {
         if ground.is_none() && !others {
             return;
         }
+        if let Some(ground) = ground {
+            self.contact.ground.turning = [ground.torsional_friction, ground.rolling_friction];
+            self.contact.resists_turning = self.contact.ground.resists_turning();
+        }
         for (index, collider) in model.colliders.iter().enumerate() {
             let b = collider.body.index();
             let moves = self.bodies[b].kind.moves();
@@ -305,6 +311,10 @@ impl Tree {
                     others.then(|| Arc::new(Solid::new(shape, face))),
                 ),
             };
+            let own = Surface {
+                turning: [link.torsional_friction, link.rolling_friction],
+                ..Surface::default()
+            };
             self.contact.colliders.push(TreeCollider {
                 index,
                 body: b,
@@ -318,7 +328,7 @@ impl Tree {
                 } else {
                     shape.bounding_radius()
                 },
-                own: Surface::default(),
+                own,
                 ground: Surface::default(),
                 dissipation: link.dissipation.unwrap_or(self.contact.dissipation),
                 belt: Vec3::zeros(),
@@ -326,21 +336,14 @@ impl Tree {
                 faces,
                 solid,
             });
-            let mass = self.mass_with(b);
-            let turning = &mut self.contact.turning[collider.link.index()];
-            turning.coefficient = [
-                link.torsional_friction
-                    .max(ground.map_or(0.0, |g| g.torsional_friction)),
-                link.rolling_friction
-                    .max(ground.map_or(0.0, |g| g.rolling_friction)),
-            ];
             if moves {
                 // Half the robot at the shape's radius: a ball alone, or one wheel of four.
                 let radius = collider.shape.bounding_radius();
-                let inertia = 0.5 * mass * radius * radius;
+                let inertia = 0.5 * self.mass_with(b) * radius * radius;
+                let turning = &mut self.contact.turning[collider.link.index()];
                 turning.inertia = turning.inertia.max(inertia);
             }
-            self.contact.resists_turning |= turning.acts();
+            self.contact.resists_turning |= own.resists_turning();
         }
         if others {
             self.contact.pairs = self.pairs(model);

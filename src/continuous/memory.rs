@@ -7,7 +7,7 @@ use crate::geometry::pair::MOST_PARTS;
 use crate::model::{ActuatorId, ActuatorMode, LinkId, Model};
 use crate::state::Physical;
 use crate::step::point::{Context, Point};
-use crate::tree::Tree;
+use crate::tree::{Surface, Tree};
 use crate::tuning::{FRICTION_DEFLECTION, MOTOR_DEFLECTION, SLIP_NOMINAL, TURN_DEFLECTION};
 
 /// What of a state's element is remembered.
@@ -107,8 +107,7 @@ impl Remembered {
             let same = |e: &&Element| e.links == links && e.what == Relaxing::Slip;
             let number = u32::try_from(all.elements.iter().filter(same).count());
             let number = number.unwrap_or(u32::MAX);
-            let acts = |place: usize| contact.turning[contact.colliders[place].link].acts();
-            let turns = acts(places[0]) || acts(places[1]);
+            let turns = surface(tree, places).resists_turning();
             let kinds = if turns {
                 &[Relaxing::Slip, Relaxing::Turn][..]
             } else {
@@ -280,6 +279,21 @@ impl Remembered {
 /// How fast friction against turning forgets where nothing touches, 1/s.
 fn idle_turn(tree: &Tree, places: [usize; 2]) -> f64 {
     let contact = &tree.contact;
-    let rate = |place: usize| contact.turning[contact.colliders[place].link].forgets();
-    rate(places[0]).max(rate(places[1]))
+    let [a, b] = places.map(|place| &contact.colliders[place]);
+    let (own, other) = if a.yields { (a, b) } else { (b, a) };
+    let other = (places[0] != places[1] && other.yields).then_some(other.link);
+    let turning = contact.turning_of(own.link, other);
+    turning.forgets(surface(tree, places).turning)
+}
+
+/// What the surfaces of the shapes at two places have together, or that at one and the ground's.
+fn surface(tree: &Tree, [a, b]: [usize; 2]) -> Surface {
+    let colliders = &tree.contact.colliders;
+    if a == b {
+        return colliders[a].ground;
+    }
+    let mut both = Surface::default();
+    let own = [&colliders[a].own, &colliders[b].own];
+    both.combine(own, tree.contact.combination);
+    both
 }

@@ -177,6 +177,8 @@ pub struct Contact {
     pub rubbing: f64,
     /// Coulomb coefficient at the speed of the slip at the start of the step.
     pub mu: f64,
+    /// Torsional and rolling friction of both surfaces, m.
+    pub turning: [f64; 2],
     /// Critical damping of its friction for the load at the start, N·s/m.
     pub critical: f64,
     /// Damping of its friction over the normal force in an impact, s/m.

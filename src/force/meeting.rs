@@ -94,6 +94,7 @@ impl Meeting<'_> {
             contact.wound = ElastoPlastic::<Vec3>::wound(sliding, stored.sliding);
         }
         contact.mu = friction(tree, surface, stored.sliding * sliding) * contact.rubbing;
+        contact.turning = surface.turning;
         let [load, elastic] = contact.loads(speed);
         // An impact presses with more than the spring does, and its friction is as much quicker:
         // with the damper of a load at rest it gave way sideways first, and when it had caught up

@@ -58,25 +58,25 @@ pub fn find_turns(
     }
     let mut touches = touches.iter().peekable();
     for (index, contact) in contacts.iter().enumerate() {
-        let turning = &tree.contact.turning[contact.link];
-        if !turning.acts() {
+        if contact.turning == [0.0; 2] {
             continue;
         }
+        let other = contact.other.filter(|other| !tree.is_driven(other.body));
+        let other = other.and(contact.other_link);
+        let turning = tree.contact.turning_of(contact.link, other);
         let stored = seek(&mut touches, contact.slot, |t| t.slot).map_or([0.0; 3], |t| t.turn);
         let (torsion, roll) = normal_part(&contact.normal, &contact.recall(&stored));
-        let [torsional, rolling] = turning
-            .coefficient
-            .map(|c| c * turning.load / TURN_DEFLECTION);
+        let [torsional, rolling] = contact.turning.map(|c| c * turning.load / TURN_DEFLECTION);
         let mut turn = Turn {
             contact: index,
             body: contact.body,
             other: contact.other.map(|other| other.body),
             slot: contact.slot,
             normal: contact.normal,
-            coefficient: turning.coefficient.map(|c| c * contact.rubbing),
+            coefficient: contact.turning.map(|c| c * contact.rubbing),
             load: turning.load,
-            critical: turning
-                .coefficient
+            critical: contact
+                .turning
                 .map(|c| 4.0 * turning.inertia * c / TURN_DEFLECTION),
             torsional: ElastoPlastic {
                 stiffness: torsional,

@@ -5,6 +5,7 @@
 use super::closure::{Closure, TreeSpring};
 use super::kept::Kept;
 use super::scenery::Scenery;
+use super::turning::Turning;
 use crate::geometry::Faces;
 use crate::geometry::pair::{MOST_PARTS, Solid};
 use crate::joint::Kind;
@@ -12,7 +13,6 @@ use crate::law::normal::Stiffening;
 use crate::model::{Combination, Joint, Limits, RootId};
 use crate::sparsity::Sparsity;
 use crate::spatial::{Pose, Vec3, Vec6};
-use crate::tuning::TURN_DEFLECTION;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -143,9 +143,9 @@ pub struct Contacts {
     pub shapes: usize,
     /// Shapes that can touch something, by ascending index.
     pub colliders: Vec<TreeCollider>,
-    /// Friction against turning of each link's contacts, per link.
+    /// What resists turning at each link, per link.
     pub turning: Vec<Turning>,
-    /// Whether any of them has some; filled by [`Tree::new`].
+    /// Whether any surface does; filled by [`Tree::new`].
     pub resists_turning: bool,
     /// Dissipation of contacts without restitution, and of joint limits, s/m.
     pub dissipation: f64,
@@ -281,6 +281,8 @@ pub struct Surface {
     pub restitution: f64,
     /// Hunt–Crossley dissipation times approach speed for that restitution.
     pub dissipation_number: f64,
+    /// Torsional and rolling friction, m; filled by [`Tree::new`].
+    pub turning: [f64; 2],
 }
 
 impl Default for Surface {
@@ -291,6 +293,7 @@ impl Default for Surface {
             mu_at_rest: 0.0,
             restitution: 0.0,
             dissipation_number: f64::INFINITY,
+            turning: [0.0; 2],
         }
     }
 }
@@ -316,6 +319,7 @@ impl Surface {
         };
         self.mu = combined(own.mu, other.mu);
         self.mu_at_rest = combined(own.mu_at_rest, other.mu_at_rest);
+        self.turning = [0, 1].map(|i| own.turning[i].max(other.turning[i]));
         let [a, b] = [own, other].map(|surface| surface.restitution);
         match combination {
             Combination::Mean => {
@@ -363,37 +367,6 @@ impl DryFriction {
             let own = joint.stribeck_velocity / ratio;
             self.stribeck_velocity = self.stribeck_velocity.max(own);
         }
-    }
-}
-
-/// What all contacts of a link have in common against turning. Coefficients and inertia are filled
-/// by [`Tree::new`], the others by [`Tree::scale`].
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Turning {
-    /// Combined torsional and rolling friction with the ground, m.
-    pub coefficient: [f64; 2],
-    /// Inertia that the damping is critical for, kg·m².
-    pub inertia: f64,
-    /// Normal force that the stiffness is made for, N: a quarter of the weight.
-    pub load: f64,
-}
-
-impl Turning {
-    /// Whether there is any.
-    pub fn acts(&self) -> bool {
-        self.coefficient[0] > 0.0 || self.coefficient[1] > 0.0
-    }
-
-    /// One over the longer of its own times `d/k`, 1/s: how fast it forgets while nothing presses.
-    pub fn forgets(&self) -> f64 {
-        // `d = 2 √(k I)`
-        let [torsional, rolling] = self.coefficient;
-        let least = if torsional > 0.0 && rolling > 0.0 {
-            torsional.min(rolling)
-        } else {
-            torsional.max(rolling)
-        };
-        0.5 * (least * self.load / (TURN_DEFLECTION * self.inertia)).sqrt()
     }
 }
 

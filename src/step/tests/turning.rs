@@ -1,6 +1,7 @@
 //! Rolling and torsional friction, and friction that is higher at rest, against rigid-body
 //! formulas.
 
+use super::worlds::{body, world};
 use super::*;
 
 /// Fixed steps or error control: step size and tolerance.
@@ -254,8 +255,67 @@ fn of_two_surfaces_the_larger_resistance_to_turning_counts() {
         ..Default::default()
     });
     let s = start(b.model, 1e-3);
-    let [torsional, rolling] = s.tree().contact.turning[0].coefficient;
+    let [torsional, rolling] = s.tree().contact.colliders[0].ground.turning;
     assert!((torsional - 3e-3).abs() < 1e-15 && (rolling - 2e-3).abs() < 1e-15);
+}
+
+/// A ball that rolls or spins on a free plate of half a tonne, or on a static one, with friction
+/// against turning on the one surface or the other, listed before the plate or behind it: it slows
+/// down by `c g/(1 + 2/5)` or `c m g/I`. Before, only what stood second in the list counted.
+#[test]
+fn resistance_to_turning_counts_on_either_surface_in_any_order() {
+    let (radius, c) = (0.05, 2e-3);
+    for mode in MODES {
+        for (on_ball, first, drills) in [
+            (true, true, false),
+            (true, false, false),
+            (false, true, false),
+            (false, false, false),
+            (true, true, true),
+            (true, false, true),
+            (false, true, true),
+            (false, false, true),
+        ] {
+            let top = Vec3::z() * (0.1 + radius);
+            let ball = body(1.0, Shape::Sphere { radius }, top);
+            let half = Vec3::new(2.0, 2.0, 0.05);
+            let plate = body(500.0, Shape::Box { half }, Vec3::z() * 0.05);
+            let mut both = [ball, plate];
+            let rough = &mut both[usize::from(!on_ball)].links[0];
+            if drills {
+                rough.torsional_friction = c;
+            } else {
+                rough.rolling_friction = c;
+            }
+            let [ball, plate] = both;
+            let mut model = if first {
+                world([ball, plate])
+            } else {
+                world([plate, ball])
+            };
+            let place = usize::from(!first);
+            let root = &mut model.roots[place];
+            if drills {
+                root.angular_velocity = Vec3::z() * 20.0;
+            } else {
+                root.linear_velocity = Vec3::x();
+                root.angular_velocity = Vec3::y() / radius;
+            }
+            model.solver.step_size = mode.0;
+            let mut s = start(model, mode.1);
+            run(&mut s, 0.5, 1.0 / 240.0);
+            let v = &s.state().physical.v[6 * place..6 * place + 6];
+            let (found, left) = if drills {
+                (v[2], 20.0 - 0.5 * c * G / (0.4 * radius * radius))
+            } else {
+                (v[3], 1.0 - 0.5 * c / radius * G / 1.4)
+            };
+            assert!(
+                (found / left - 1.0).abs() < 2e-3,
+                "{mode:?} {on_ball} {first} {drills}: {found} for {left}"
+            );
+        }
+    }
 }
 
 /// Coulomb with two coefficients: it breaks away at `μ_s N` and then accelerates with the rest of
