@@ -100,6 +100,17 @@ pub(super) struct Paint<'d> {
     pub(super) texture: Option<(&'d str, &'d Attribute)>,
 }
 
+impl Paint<'_> {
+    /// Whether it has the same colour and the same texture, by its name, as another one.
+    pub(super) fn looks_like(&self, other: &Self) -> bool {
+        let look = |paint: &Self| {
+            let color = paint.color.map(|color| color.map(f64::to_bits));
+            (color, paint.texture.map(|(file, _)| file.to_owned()))
+        };
+        look(self) == look(other)
+    }
+}
+
 /// What stands in `<geometry>`, sizes in m.
 #[derive(PartialEq)]
 pub(super) enum Geometry<'d> {

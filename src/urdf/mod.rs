@@ -25,6 +25,7 @@ mod hulls;
 mod image;
 mod inertia;
 mod joint;
+mod limit;
 mod link;
 mod mesh;
 mod missing;
@@ -291,5 +292,6 @@ fn describe(
     }
     sizes::compare_visuals(&mut scope, &robot, &order, &description, options.scale);
     sizes::compare_origins(&mut scope, &robot, &description, options.scale);
+    sizes::compare_places(&mut scope, &robot, &order, &description, options.scale);
     Some(description)
 }

@@ -8,7 +8,8 @@
 
 use super::checked::{CheckedRobot, Geometry, Order, called};
 use super::description::{
-    Description, JointDescription, LinkDescription, VisualDescription, VisualShape,
+    CollisionDescription, Description, JointDescription, LinkDescription, VisualDescription,
+    VisualShape,
 };
 use super::scope::Scope;
 use super::xml::Node;
@@ -155,6 +156,13 @@ fn spread(robot: &CheckedRobot) -> f64 {
     ways.fold(0.0, f64::max)
 }
 
+/// How far joints slide, m.
+fn slides(description: &Description) -> impl Iterator<Item = f64> {
+    let sliding = |joint: &&JointDescription| joint.kind == JointKind::Prismatic;
+    let joints = description.joints.iter().filter(sliding);
+    joints.filter_map(|joint| Some(joint.limits?.upper - joint.limits?.lower))
+}
+
 /// Warns of a visual in mm or cm, in a robot that is else in m: of one that is many times as large
 /// as each collision shape, as the place of each joint, shape and centre of mass is away, and as a
 /// joint slides; where there is none of these, as the mass is spread, if nothing is that light.
@@ -169,12 +177,9 @@ pub(super) fn compare_visuals(
     let shapes = collisions.map(|c| 2.0 * c.shape.ball_around().1);
     let origins = origins(robot, scale).into_iter();
     let origins = origins.filter(|origin| origin.element != "visual");
-    let sliding = |joint: &&JointDescription| joint.kind == JointKind::Prismatic;
-    let slides = description.joints.iter().filter(sliding);
-    let ways = slides.filter_map(|joint| Some(joint.limits?.upper - joint.limits?.lower));
     let size = shapes
         .chain(origins.map(|origin| origin.away))
-        .chain(ways)
+        .chain(slides(description))
         .fold(0.0, f64::max);
     // Where there is no length at all, masses say how large things are.
     let only_drawn = size <= 0.0;
@@ -234,6 +239,71 @@ pub(super) fn compare_visuals(
     let mut at = lines.filter(|at| scope.report.line(at.start) == visual.line);
     let at = at.next().unwrap_or_else(|| robot.links[i].node.tag_at());
     scope.report.warning("U075", at, message, help);
+}
+
+/// Warns of a mesh that is many times as far from the frame of its link as the robot is large: its
+/// corners are given in the axes of a site or a drawing, and no `<origin>` brings them back. How
+/// large the robot is, is as much as its largest shape, or its farthest origin or way to slide.
+pub(super) fn compare_places(
+    scope: &mut Scope,
+    robot: &CheckedRobot,
+    order: &Order,
+    description: &Description,
+    scale: f64,
+) {
+    let touching = |c: &CollisionDescription| {
+        let (center, radius) = c.shape.ball_around();
+        Some((c.mesh.is_some(), c.X_LG.clone(), center, radius))
+    };
+    let drawn = |v: &VisualDescription| {
+        let (center, radius) = drawn_ball(v, description)?;
+        let mesh = matches!(v.shape, VisualShape::Mesh { .. });
+        Some((mesh, v.X_LG.clone(), center, radius))
+    };
+    let mut lengths: Vec<f64> = origins(robot, scale).iter().map(|o| o.away).collect();
+    lengths.extend(slides(description));
+    let mut meshes = Vec::new();
+    for (&i, link) in order.links.iter().zip(&description.links) {
+        let collisions = link.collisions.iter().filter_map(touching);
+        let visuals = link.visuals.iter().filter_map(drawn);
+        let collisions = collisions.map(|ball| ("collision", ball));
+        for (kind, (mesh, X_LG, center, radius)) in
+            collisions.chain(visuals.map(|ball| ("visual", ball)))
+        {
+            lengths.push(2.0 * radius);
+            if mesh {
+                meshes.push((&robot.links[i], kind, X_LG.p, X_LG.point(&center)));
+            }
+        }
+    }
+    let size = lengths.into_iter().fold(0.0, f64::max);
+    let far = |(.., place): &&(_, _, _, Vec3)| {
+        let away = place.norm();
+        away > FAR * size && away > NEAR * scale
+    };
+    let Some((link, kind, origin, place)) = meshes.iter().find(far) else {
+        return;
+    };
+    let message = format!(
+        "link '{}': the mesh of its <{kind}> is {} m away from its frame, in a robot some {} m \
+         large: its corners are far from the origin of their file",
+        link.name,
+        written(place.norm(), 0),
+        written(size, 1)
+    );
+    let back = (origin - place) / scale;
+    let [x, y, z] = [back.x, back.y, back.z].map(Digits);
+    let help = format!(
+        "move it to its origin in the program that made it; in place of that, xyz=\"{x} {y} {z}\" of \
+         the <origin> in <{kind}> brings its middle to the frame"
+    );
+    let mut nodes = link.node.children_named(kind);
+    let of_mesh = |node: &Node| {
+        node.child("geometry")
+            .is_some_and(|g| g.child("mesh").is_some())
+    };
+    let at = nodes.find(of_mesh).unwrap_or(link.node).tag_at();
+    scope.report.warning("U069", at, message, help);
 }
 
 /// Centres and radii of balls around the shapes of a link, in its frame, m: those that touch, or

@@ -211,12 +211,19 @@ fn version(scope: &mut Scope, root: Node) -> Version {
         .trim()
         .split_once('.')
         .and_then(|(major, minor)| Some(Version(major.parse().ok()?, minor.parse().ok()?)));
-    parsed.unwrap_or_else(|| {
-        let message = format!("'{}' is no URDF version; read as 1.0", attribute.value);
+    let (first, last) = (Version(1, 0), Version(1, 2));
+    let given = parsed.unwrap_or(first);
+    let version = given.clamp(first, last);
+    if parsed.is_none() || version != given {
+        let Version(major, minor) = version;
+        let message = format!(
+            "'{}' is no URDF version; read as {major}.{minor}",
+            attribute.value
+        );
         let help = "write version=\"1.0\", or leave it out";
         scope.warning("U019", attribute.at.clone(), &message, help);
-        Version(1, 0)
-    })
+    }
+    version
 }
 
 fn robot_name(scope: &mut Scope, root: Node, file: &str) -> String {

@@ -25,16 +25,29 @@ pub(super) fn check<'d>(scope: &mut Scope, root: Node<'d>, robot: &mut CheckedRo
     scope.severity = Severity::Warning;
     "robot".clone_into(&mut scope.owner);
     let mut palette = HashMap::new();
-    let mut undefined = BTreeSet::new();
+    let (mut undefined, mut told) = (BTreeSet::new(), BTreeSet::new());
     // The robot's own materials come first, then those that visuals give a name.
     for material in root.children_named("material") {
-        add_material(scope, material, &mut palette);
+        if let Some(other) = add_material(scope, material, &mut palette) {
+            let message = format!("a second material '{other}' looks otherwise: it is not used");
+            let help = "give it another name";
+            scope.warning("U073", material.tag_at(), &message, help);
+        }
     }
     for link in &robot.links {
         scope.owner = format!("link '{}'", link.name);
         for visual in link.node.children_named("visual") {
             for material in visual.children_named("material") {
-                add_material(scope, material, &mut palette);
+                if let Some(other) = add_material(scope, material, &mut palette)
+                    && told.insert(other)
+                {
+                    let message = format!(
+                        "another material '{other}' looks otherwise: this visual has its own, and \
+                         those that only name it have the first"
+                    );
+                    let help = "give each look a name of its own";
+                    scope.note("U073", material.tag_at(), &message, help);
+                }
             }
         }
     }
@@ -99,12 +112,13 @@ enum Name<'d> {
     Place(usize),
 }
 
-/// Adds a material that has a colour or a texture, by its place, and by its name if that is new.
+/// Adds a material that has a colour or a texture, by its place, and by its name if that is new;
+/// gives its name if that is one of a material that looks otherwise.
 fn add_material<'d>(
     scope: &mut Scope,
     material: Node<'d>,
     palette: &mut HashMap<Name<'d>, Paint<'d>>,
-) {
+) -> Option<&'d str> {
     scope.known_children(material, &["color", "texture"], &["specular"]);
     for (part, attribute) in [("color", "rgba"), ("texture", "filename")] {
         for part in material.children_named(part) {
@@ -117,13 +131,13 @@ fn add_material<'d>(
         Some((file.value.as_str(), file))
     });
     if color.is_none() && texture.is_none() {
-        return;
+        return None;
     }
     let paint = Paint { color, texture };
     palette.insert(Name::Place(material.tag_at().start), paint);
-    if let Some(name) = material.value("name").filter(|name| !name.is_empty()) {
-        palette.entry(Name::Given(name)).or_insert(paint);
-    }
+    let name = material.value("name").filter(|name| !name.is_empty())?;
+    let first = palette.entry(Name::Given(name)).or_insert(paint);
+    (!first.looks_like(&paint)).then_some(name)
 }
 
 fn rgba(scope: &mut Scope, color: Node) -> Option<[f64; 4]> {

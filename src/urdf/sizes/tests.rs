@@ -258,3 +258,36 @@ fn visuals_in_millimetres_are_told_by_the_masses_where_there_is_no_length() {
         assert_eq!(told(size, inertia), None, "{size} {inertia}");
     }
 }
+
+/// A rod of 0.1 m whose middle is 1.25 m above the origin of its file, in a robot of nothing else:
+/// 12.5 times its own length. An `<origin>` that brings it back, or a joint 0.5 m away, says that
+/// it is where it is meant to be.
+#[test]
+fn a_mesh_far_from_the_frame_of_its_link_is_told_with_what_brings_it_back() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/robots");
+    let told = |kind: &str, origin: &str, joint: f64, scale: f64| {
+        let text = format!(
+            "<robot name='r'><link name='a'/><link name='b'><{kind}><origin xyz='{origin}'/>\
+             <geometry><mesh filename='meshes/far_off.obj' scale='0.01 0.01 1'/></geometry></{kind}>\
+             </link><joint name='j' type='fixed'><origin xyz='0 0 {joint}'/><parent link='a'/>\
+             <child link='b'/></joint></robot>"
+        );
+        let options = ReadOptions {
+            scale,
+            drawn: true,
+            ..ReadOptions::default()
+        };
+        let robot = read_str(&text, "r.urdf", &folder, &options).expect("legal");
+        let mut told = robot.diagnostics.into_iter().filter(|d| d.code == "U069");
+        told.next().map(|d| (d.message, d.help.unwrap_or_default()))
+    };
+    for (kind, scale) in [("collision", 1.0), ("visual", 1.0), ("collision", 100.0)] {
+        let (message, help) = told(kind, "0 0 0.01", 0.0, scale).expect("told");
+        let away = if scale > 1.0 { "126 m" } else { "1 m" };
+        let start = format!("link 'b': the mesh of its <{kind}> is {away} away from its frame");
+        assert!(message.starts_with(&start), "{message}");
+        assert!(help.contains("xyz=\"0 0 -1.25\""), "{help}");
+        assert_eq!(told(kind, "0 0 -1.25", 0.0, scale), None);
+        assert_eq!(told(kind, "0 0 0.01", 0.5, scale), None);
+    }
+}
