@@ -57,26 +57,37 @@ fn of_masses(help: &str) -> String {
     )
 }
 
-/// Help for a name that is none of the robot's links, but something else's in the world.
+/// Help for a name that is none of the robot's links or joints, but something else's in the world.
 ///
 /// - `guests`: what else there is
 pub(super) fn of_guest<'g>(
     finding: &Diagnostic,
     mut guests: impl Iterator<Item = (RootKind, &'g str)>,
 ) -> Option<String> {
-    let rest = finding.message.strip_prefix("no link matches '")?;
+    let rest = finding.message.strip_prefix("no ")?;
+    let (part, rest) = rest.split_once(" matches '")?;
     let (text, _) = rest.split_once('\'')?;
+    if !["link", "joint"].contains(&part) {
+        return None;
+    }
     let holds = |(_, name): &(RootKind, &str)| {
         let rest = text.strip_prefix(name);
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
     };
     let (kind, name) = guests.find(holds)?;
-    Some(format!(
-        "'{name}' is {} of the world, and this key takes links of the robot; [[world.robot]] reads a \
-         URDF with settings of its own, sensors among them",
-        match kind {
-            RootKind::Object => "an object",
-            RootKind::Robot => "another robot",
-        },
-    ))
+    Some(match kind {
+        RootKind::Object => format!(
+            "'{name}' is an object of the world, and this key takes {part}s of the robot; \
+             [[world.robot]] reads a URDF with settings of its own, sensors among them"
+        ),
+        RootKind::Robot => {
+            let own = text.strip_prefix(name).unwrap_or_default();
+            let own = own.strip_prefix('.').unwrap_or("*");
+            format!(
+                "'{name}' is another robot of the world, and this key takes {part}s of the first one: \
+                 write config = \"{name}.toml\" in its [[world.robot]], and there this table, with \
+                 '{own}'"
+            )
+        }
+    })
 }

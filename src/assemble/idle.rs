@@ -5,9 +5,12 @@
 
 use super::findings::Findings;
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::model::SensorKind;
 use crate::model::{Arrays, Combination, Interface, Joint, JointKind, Link, Model};
 use crate::pattern::Pattern;
-use crate::settings::{ActuatorSettings, Compat, FmiVersion, ModeChoice, Settings, WheelFit};
+use crate::settings::{
+    ActuatorSettings, Compat, FmiVersion, ModeChoice, SensorSettingsKind, Settings, WheelFit,
+};
 use crate::urdf::{CollisionDescription, Description};
 use std::collections::BTreeSet;
 
@@ -153,8 +156,9 @@ pub(super) fn of_actuators(model: &Model, settings: &Settings, findings: &mut Fi
                 .filter(|other| other.joint.matches(&joint.name));
             own.all(|(key, _)| others.any(|other| keys(other).nth(key) == Some(true)))
         };
-        let mut meant = matching(&entry.joint, &model.joints, |joint| &joint.name);
-        if meant.all(replaced) {
+        let mut meant = matching(&entry.joint, &model.joints, |joint| &joint.name).peekable();
+        // A name of no joint is an error, and nothing follows from it.
+        if meant.peek().is_some() && meant.all(replaced) {
             let message = format!(
                 "[[actuator]] of '{}' changes nothing: a later one sets the same for all of its \
                  joints",
@@ -236,14 +240,53 @@ pub(super) fn of_world(model: &Model, settings: &Settings) -> Vec<Diagnostic> {
     let cases = cases.map(|(key, why, help)| ("contact", key, why, help));
     let solver = of_solver(model, settings).into_iter();
     let all = cases.chain(solver.map(|(key, why, help)| ("solver", key, why, help)));
-    all.map(|(table, key, why, help)| Diagnostic {
+    let keys = all.map(|(table, key, why, help)| Diagnostic {
         severity: Severity::Warning,
         code: "A144",
         message: format!("'{key}' of [{table}] changes nothing: {why}"),
         help: Some(help.to_owned()),
         place: None,
-    })
-    .collect()
+    });
+    keys.chain(of_contact_sensors(model, settings)).collect()
+}
+
+/// Warnings of contact sensors on which nothing can press: links of a mounted base touch neither
+/// the ground, which does not move against them, nor anything else.
+fn of_contact_sensors(model: &Model, settings: &Settings) -> Vec<Diagnostic> {
+    let [root] = &model.roots[..] else {
+        return Vec::new();
+    };
+    if settings.self_collision || model.is_floating() {
+        return Vec::new();
+    }
+    let sensors = model.outputs.sensors.iter().filter(|sensor| {
+        let on_base = model.links[sensor.link.index()].body == root.body;
+        on_base && matches!(sensor.kind, SensorKind::Contact { .. })
+    });
+    sensors
+        .map(|sensor| {
+            let link = &model.links[sensor.link.index()].name;
+            let asked = settings.sensors.iter().find(|own| {
+                let contact = matches!(own.kind, SensorSettingsKind::Contact { .. });
+                contact && own.on.matches(link)
+            });
+            Diagnostic {
+                severity: Severity::Warning,
+                code: "A144",
+                message: format!(
+                    "contact sensor '{}' measures 0: link '{link}' is mounted in the world, and \
+                     nothing else can touch it",
+                    sensor.name
+                ),
+                help: Some(
+                    "put it on a link that moves, or add objects or self_collision; a \
+                     sensor of type ft measures what a mounted robot is held by"
+                        .to_owned(),
+                ),
+                place: asked.and_then(|own| own.on.place.clone()),
+            }
+        })
+        .collect()
 }
 
 /// A key in vain, why it is, and what helps.

@@ -331,3 +331,25 @@ fn a_spring_between_points_that_are_one_is_told() {
         assert_eq!(has(&found, "A140"), idle, "{keys}");
     }
 }
+
+/// What is mounted in the world does not move against the ground, and without self-collision no
+/// link of its own touches it.
+#[test]
+fn a_contact_sensor_on_which_nothing_can_press_is_told() {
+    let sensor = "[[sensor]]\ntype = \"contact\"\nlink = \"chassis\"\n";
+    for (robot, idle) in [
+        ("base = \"fixed\"", true),
+        ("base = \"fixed\"\nself_collision = true", false),
+        ("base = \"floating\"", false),
+    ] {
+        let found = told(&format!("[robot]\n{robot}\n{sensor}"));
+        let found = found
+            .iter()
+            .find(|(.., text)| text.contains("contact sensor"));
+        assert_eq!(found.is_some(), idle, "{robot}: {found:?}");
+        let line = found.and_then(|(_, line, _)| *line);
+        assert_eq!(line, idle.then_some(5), "{found:?}");
+    }
+    let wheel = sensor.replace("chassis", "left_wheel");
+    assert_eq!(told(&format!("[robot]\nbase = \"fixed\"\n{wheel}")), []);
+}
