@@ -295,6 +295,15 @@ pub fn free_name(name: &str, taken: &[String]) -> String {
         .unwrap_or_default()
 }
 
+/// Gives findings without a place of their own that of the key that names their file.
+///
+/// - `which`: those that are about the file as a whole
+fn placed(findings: &mut [Diagnostic], which: fn(&Diagnostic) -> bool, place: Option<&Place>) {
+    for finding in findings.iter_mut().filter(|finding| which(finding)) {
+        finding.place = finding.place.take().or(place.cloned());
+    }
+}
+
 impl Surroundings {
     /// Gives all links that can move the inputs of `settings` for forces from outside.
     pub fn push(&mut self, settings: &Settings) {
@@ -351,9 +360,7 @@ impl Surroundings {
                 Some(description)
             }
             Err(mut findings) => {
-                for finding in findings.iter_mut().filter(|finding| finding.code == "U001") {
-                    finding.place = finding.place.take().or(place.cloned());
-                }
+                placed(&mut findings, |finding| finding.code == "U001", place);
                 self.tell(findings);
                 None
             }
@@ -375,7 +382,7 @@ impl Surroundings {
         match &object.source {
             ObjectSource::Urdf(path) => {
                 let options = options(&assemble::of_object(object, world), packages);
-                self.urdf(path, &options, object.place.as_ref())
+                self.urdf(path, &options, object.file_place.as_ref())
             }
             ObjectSource::Solid { shape, mass } => {
                 if let Some(place) = &object.idle_mass {
@@ -395,7 +402,8 @@ impl Surroundings {
             }
             ObjectSource::Terrain(settings) => {
                 let place = object.place.as_ref();
-                match terrain::shape(object.called(), settings, place) {
+                let of_file = object.file_place.as_ref().or(place);
+                match terrain::shape(object.called(), settings, of_file) {
                     Ok((shape, files, notes)) => {
                         for file in &files {
                             self.source(file);
@@ -423,15 +431,27 @@ impl Surroundings {
         let own = match &robot.config {
             Some(path) => {
                 self.source(path);
-                Settings::read_as(path, Some(world.compat))
+                let read = Settings::read_as(path, Some(world.compat));
+                read.map_err(|mut findings| {
+                    let place = &robot.config_place;
+                    placed(
+                        &mut findings,
+                        |finding| finding.place.is_none(),
+                        place.as_ref(),
+                    );
+                    findings
+                })
             }
             None => Ok(Settings::of(world.compat)),
         };
         let own = own.and_then(|own| assemble::of_robot(robot, own, world));
         match own {
             Ok(own) => {
-                let description =
-                    self.urdf(&robot.urdf, &options(&own, packages), robot.place.as_ref())?;
+                let description = self.urdf(
+                    &robot.urdf,
+                    &options(&own, packages),
+                    robot.urdf_place.as_ref(),
+                )?;
                 Some((own, description))
             }
             Err(findings) => {

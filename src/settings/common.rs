@@ -2,6 +2,7 @@
 
 use super::reader::Reader;
 use super::section::{Section, Span, Value};
+use crate::diagnostic::Place;
 use crate::pattern::Pattern;
 use crate::spatial::Vec3;
 use std::path::PathBuf;
@@ -77,6 +78,14 @@ pub(super) fn vector(section: &Section, key: &str) -> Vec3 {
 pub(super) fn file(reader: &Reader, section: &Section, key: &str) -> Option<PathBuf> {
     match section.value(key) {
         Some(Value::Texts(texts)) => Some(reader.beside(&texts.first()?.0)),
+        _ => None,
+    }
+}
+
+/// Where a file is named that a key may name.
+pub(super) fn file_place(reader: &Reader, section: &Section, key: &str) -> Option<Place> {
+    match section.value(key) {
+        Some(Value::Texts(texts)) => Some(reader.place(&texts.first()?.1)),
         _ => None,
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Files are named here and read by whoever builds the world.
 
-use super::common::{file, is_rejected, place, required, vector, whole};
+use super::common::{file, file_place, is_rejected, place, required, vector, whole};
 use super::reader::Reader;
 use super::section::Section;
 use super::types::{
@@ -83,6 +83,7 @@ fn one(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
         conveyor: section.flag("conveyor"),
         driven: false,
         surface: surface(reader, section),
+        file_place: file_place(reader, section, "file"),
         place: Some(reader.place(&section.span)),
     })
 }

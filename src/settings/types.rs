@@ -115,6 +115,8 @@ pub struct ObjectSettings {
     pub idle_mass: Option<Place>,
     /// Friction and restitution of all its links, and what their meshes become; none: its file's.
     pub surface: LinkSettings,
+    /// Where its file is named.
+    pub file_place: Option<Place>,
     /// Where it was asked for; none for one from the command line.
     pub place: Option<Place>,
 }
@@ -159,6 +161,10 @@ pub struct RobotSettings {
     pub rpy: Option<Vec3>,
     /// Whether the base can move; none: as its own settings say.
     pub fixed_base: Option<bool>,
+    /// Where its URDF is named.
+    pub urdf_place: Option<Place>,
+    /// Where its own settings are named.
+    pub config_place: Option<Place>,
     /// Where it was asked for.
     pub place: Option<Place>,
 }

@@ -3,7 +3,7 @@
 //! Files are named here and read by whoever builds the world.
 
 use super::advice::SHAPES;
-use super::common::{file, place, required, vector};
+use super::common::{file, file_place, place, required, vector};
 use super::reader::Reader;
 use super::section::Section;
 use super::terrain;
@@ -88,6 +88,8 @@ fn robot(reader: &mut Reader, section: &Section) -> Option<RobotSettings> {
         fixed_base: section
             .entry("fixed_base")
             .map(|_| section.flag("fixed_base")),
+        urdf_place: file_place(reader, section, "urdf"),
+        config_place: file_place(reader, section, "config"),
         place: Some(reader.place(&section.span)),
     })
 }
@@ -130,6 +132,7 @@ fn object(reader: &mut Reader, section: &Section) -> Option<ObjectSettings> {
         conveyor: conveyor(reader, section, fixed),
         driven,
         surface: surface(reader, section),
+        file_place: file_place(reader, section, "urdf"),
         place: Some(reader.place(&section.span)),
     })
 }

@@ -65,6 +65,7 @@ pub(super) fn parse(text: &str) -> Result<ObjectSettings, String> {
         },
         fixed: false,
         surface: LinkSettings::new("*"),
+        file_place: None,
         place: None,
     })
 }
