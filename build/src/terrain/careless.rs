@@ -157,3 +157,66 @@ fn a_plane_upside_down_is_told() {
         assert_eq!(found.iter().any(|d| d.code == "T003"), down, "{rpy:?}");
     }
 }
+
+/// `numpy.save` twice into one file writes one array behind the other, and `numpy.load` reads the
+/// first one alone.
+#[test]
+fn bytes_behind_the_array_of_an_npy_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 2), }";
+    let header = format!("{header:<117}\n");
+    let mut array = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    array.extend(header.as_bytes());
+    array.extend([0; 16]);
+    for (bytes, behind) in [
+        (array.clone(), None),
+        ([array.clone(), array.clone()].concat(), Some(144)),
+        ([array, vec![7]].concat(), Some(1)),
+    ] {
+        let path = folder.path().join("a.npy");
+        std::fs::write(&path, bytes).unwrap();
+        let found = told(&path, false);
+        let found = found.iter().find(|d| d.code == "T007");
+        assert_eq!(found.is_some(), behind.is_some(), "{found:?}");
+        if let (Some(found), Some(behind)) = (found, behind) {
+            let part = format!("{behind} bytes behind its array are not used");
+            assert!(found.message.contains(&part), "{found:?}");
+            assert_eq!(found.severity, Severity::Warning);
+        }
+    }
+}
+
+/// A wave from its trough in the middle rises by ½ (1 − cos π x) at half of the extent: x = ½ gives
+/// half of its height.
+#[test]
+fn waves_without_a_crest_are_told_with_how_high_they_rise() {
+    use urdf2fmu_core::settings::GeneratedHeights;
+    let told = |wavelength: f64, form: HeightForm| {
+        let made = GeneratedHeights {
+            form,
+            resolution: 0.1,
+            wavelength,
+            seed: 1,
+            steps: 5,
+        };
+        let settings = TerrainSettings::Heights {
+            source: HeightSource::Generated(made),
+            size: [4.0, 20.0],
+            height: Some(0.3),
+        };
+        let (shape, _, notes) = shape("t", &settings, None).unwrap();
+        let Shape::Field { field } = shape else {
+            panic!("{shape:?}")
+        };
+        let heights = field.samples().heights.iter().copied();
+        (notes, heights.fold(0.0, f64::max))
+    };
+    assert!(told(4.0, HeightForm::Waves).0.is_empty());
+    assert!(told(8.0, HeightForm::Noise).0.is_empty());
+    let (notes, highest) = told(8.0, HeightForm::Waves);
+    assert!((highest - 0.15).abs() < 1e-12, "{highest}");
+    assert_eq!(notes[0].code, "T008");
+    let part = "a wave of 8 m is longer than its extent of 4 m along x: it has no crest, and rises to \
+                0.15 m instead of 0.3 m";
+    assert!(notes[0].message.contains(part), "{notes:?}");
+}

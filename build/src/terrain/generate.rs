@@ -14,7 +14,7 @@ pub(super) fn heights(made: &GeneratedHeights, size: [f64; 2], height: f64) -> S
         HeightForm::Ramp => (3.0 * (x / size[0] + 0.5) - 1.0).clamp(0.0, 1.0),
         // The lowest and the highest are even ground, as long as the treads between them.
         HeightForm::Steps => ((x / size[0] + 0.5) * (steps + 1.0)).floor().min(steps) / steps,
-        HeightForm::Waves => 0.5 - 0.5 * libm::cos(std::f64::consts::TAU * x / wavelength),
+        HeightForm::Waves => wave(x / wavelength),
         HeightForm::Noise => noise([x / wavelength, y / wavelength], made.seed),
     };
     let place = |k: usize, i: usize| (number(i) / number(counts[k] - 1) - 0.5) * size[k];
@@ -36,6 +36,13 @@ pub(super) fn heights(made: &GeneratedHeights, size: [f64; 2], height: f64) -> S
         counts,
         heights,
     }
+}
+
+/// Height of a wave over its trough as a share of its whole height.
+///
+/// - `way`: from the trough, in wavelengths
+pub(super) fn wave(way: f64) -> f64 {
+    0.5 - 0.5 * libm::cos(std::f64::consts::TAU * way)
 }
 
 /// Samples over an extent, no farther from each other than `resolution`.

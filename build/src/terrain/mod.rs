@@ -7,15 +7,17 @@ mod outside;
 mod points;
 mod read;
 
+use read::Unused;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use urdf2fmu_core::diagnostic::words::or_meant;
 use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity};
+use urdf2fmu_core::digits::Digits;
 use urdf2fmu_core::geometry::Shape;
 use urdf2fmu_core::geometry::field::{Field, Samples};
 use urdf2fmu_core::geometry::surface::{Surface, Triangles};
 use urdf2fmu_core::reading;
-use urdf2fmu_core::settings::{HeightSource, TerrainSettings};
+use urdf2fmu_core::settings::{HeightForm, HeightSource, TerrainSettings};
 use urdf2fmu_core::spatial::{Vec3, rotation_from_rpy};
 use urdf2fmu_core::urdf;
 
@@ -73,14 +75,15 @@ pub fn shape(
                     let message = format!("'{}': {}", path.display(), found.message);
                     error(found.code, message, found.help)
                 })?;
-                if table.alpha {
-                    let message = format!("'{}': its alpha is not used", path.display());
-                    let help = "the brightness alone is the height: save it as a grey PNG";
+                if let Some(Unused {
+                    severity,
+                    what,
+                    help,
+                }) = table.unused
+                {
+                    let message = format!("'{}': {what} not used", path.display());
                     let note = error("T007", message, help);
-                    notes.push(Diagnostic {
-                        severity: Severity::Note,
-                        ..*note
-                    });
+                    notes.push(Diagnostic { severity, ..*note });
                 }
                 let by = height.unwrap_or(1.0);
                 Samples {
@@ -89,7 +92,27 @@ pub fn shape(
                     heights: table.values.into_iter().map(|h| h * by).collect(),
                 }
             }
-            HeightSource::Generated(made) => generate::heights(made, *size, height.unwrap_or(1.0)),
+            HeightSource::Generated(made) => {
+                let asked = height.unwrap_or(1.0);
+                if made.form == HeightForm::Waves && made.wavelength > size[0] {
+                    let told = |length: f64| format!("{}", Digits(length));
+                    let message = format!(
+                        "a wave of {} m is longer than its extent of {} m along x: it has no crest, and \
+                         rises to {:.2} m instead of {} m",
+                        told(made.wavelength),
+                        told(size[0]),
+                        asked * generate::wave(0.5 * size[0] / made.wavelength),
+                        told(asked)
+                    );
+                    let help = "a shorter wavelength, or a longer size";
+                    let found = error("T008", message, help);
+                    notes.push(Diagnostic {
+                        severity: Severity::Warning,
+                        ..*found
+                    });
+                }
+                generate::heights(made, *size, asked)
+            }
         },
     };
     let help = "give at least 2 x 2 finite heights, and at most 4,000,000";

@@ -10,6 +10,8 @@ pub(super) struct Array {
     pub(super) columns: usize,
     /// Row by row.
     pub(super) values: Vec<f64>,
+    /// Bytes behind it.
+    pub(super) behind: usize,
 }
 
 /// What is wrong with a file.
@@ -52,7 +54,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Array, Wrong> {
         return Err("it needs two dimensions");
     };
     let count = rows.checked_mul(columns).ok_or("its shape is too large")?;
-    let numbers = numbers(kind, data)?;
+    let (numbers, width) = numbers(kind, data)?;
     if numbers.len() < count {
         return Err("it ends early");
     }
@@ -68,6 +70,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Array, Wrong> {
         rows,
         columns,
         values: values.collect(),
+        behind: data.len() - count * width,
     })
 }
 
@@ -75,9 +78,13 @@ fn after<'h>(header: &'h str, key: &str) -> Option<&'h str> {
     header.split_once(key).map(|(_, rest)| rest)
 }
 
-/// The numbers of a file by the name of their kind.
-fn numbers(kind: &str, data: &[u8]) -> Result<Vec<f64>, Wrong> {
-    fn all<const N: usize>(data: &[u8], big: bool, number: impl Fn([u8; N]) -> f64) -> Vec<f64> {
+/// The numbers of a file by the name of their kind, and the bytes of each.
+fn numbers(kind: &str, data: &[u8]) -> Result<(Vec<f64>, usize), Wrong> {
+    fn all<const N: usize>(
+        data: &[u8],
+        big: bool,
+        number: impl Fn([u8; N]) -> f64,
+    ) -> (Vec<f64>, usize) {
         let (chunks, _) = data.as_chunks::<N>();
         let turned = |mut bytes: [u8; N]| {
             if big {
@@ -85,7 +92,8 @@ fn numbers(kind: &str, data: &[u8]) -> Result<Vec<f64>, Wrong> {
             }
             bytes
         };
-        chunks.iter().map(|bytes| number(turned(*bytes))).collect()
+        let numbers = chunks.iter().map(|bytes| number(turned(*bytes)));
+        (numbers.collect(), N)
     }
     let (order, name) = kind
         .split_at_checked(1)

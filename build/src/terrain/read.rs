@@ -3,6 +3,7 @@
 use super::npy;
 use std::io::ErrorKind;
 use std::path::Path;
+use urdf2fmu_core::diagnostic::Severity;
 use urdf2fmu_core::diagnostic::words::or_meant;
 use urdf2fmu_core::encoding;
 use urdf2fmu_core::geometry::field::MOST_SAMPLES;
@@ -19,8 +20,17 @@ pub(super) struct Table {
     pub(super) counts: [usize; 2],
     /// Row by row from the lowest y.
     pub(super) values: Vec<f64>,
-    /// Whether it has pixels that are not opaque, whose alpha is not used.
-    pub(super) alpha: bool,
+    /// What it has beside its heights.
+    pub(super) unused: Option<Unused>,
+}
+
+/// What a file has that is not used.
+#[derive(Debug)]
+pub(super) struct Unused {
+    pub(super) severity: Severity,
+    /// With its verb.
+    pub(super) what: String,
+    pub(super) help: &'static str,
 }
 
 /// What helps where a file cannot be read.
@@ -157,7 +167,11 @@ fn image(bytes: &[u8]) -> Result<Table, Wrong> {
     Ok(Table {
         counts: [width, height],
         values,
-        alpha,
+        unused: alpha.then(|| Unused {
+            severity: Severity::Note,
+            what: "its alpha is".to_owned(),
+            help: "the brightness alone is the height: save it as a grey PNG",
+        }),
     })
 }
 
@@ -168,7 +182,11 @@ fn array(bytes: &[u8]) -> Result<Table, Wrong> {
     Ok(Table {
         counts: [array.columns, array.rows],
         values: array.values,
-        alpha: false,
+        unused: (array.behind > 0).then(|| Unused {
+            severity: Severity::Warning,
+            what: format!("{} bytes behind its array are", array.behind),
+            help: "save one array to each file",
+        }),
     })
 }
 
@@ -226,6 +244,6 @@ fn table(bytes: &[u8]) -> Result<Table, Wrong> {
     Ok(Table {
         counts: [columns, rows],
         values,
-        alpha: false,
+        unused: None,
     })
 }
