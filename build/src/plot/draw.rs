@@ -25,6 +25,10 @@ const LINE: f64 = 19.0;
 /// Letters of a name in the legend.
 const LETTERS: usize = 25;
 
+/// Letters of the title of a panel, whose letters are 14/12 as wide as those of the legend, and of
+/// the whole, 20/12: `a_title_that_is_wider_than_the_picture_is_shortened_and_written_beside_it`.
+const TITLES: [usize; 2] = [86, 64];
+
 /// Colours of text, lines and curves, light and dark: those of `build/page/src`.
 const LOOK: [[&str; 6]; 2] = [
     [
@@ -60,7 +64,8 @@ pub fn svg(title: &str, time: &[f64], curves: &[Curve]) -> Plot {
          viewBox=\"0 0 {WIDTH} {height}\" role=\"img\" aria-label=\"{name}, over time\">\n\
          <title>{name}, over time</title>\n{style}\
          <rect class=\"back\" width=\"{WIDTH}\" height=\"{height}\" rx=\"8\"/>\n\
-         <text class=\"name\" x=\"{LEFT}\" y=\"36\">{name}</text>\n",
+         <text class=\"name\" x=\"{LEFT}\" y=\"36\">{}</text>\n",
+        escaped(&shortened(title, TITLES[1])),
         style = style()
     );
     let mut top = TOP;
@@ -116,6 +121,7 @@ fn draw(out: &mut String, panel: &Panel, time: &[f64], across: &Axis, top: f64) 
         0 => String::new(),
         power => format!("10{} ", raised(power)),
     };
+    let title = shortened(&panel.title, TITLES[0]);
     _ = writeln!(
         out,
         "<text x=\"{LEFT}\" y=\"{}\"><tspan class=\"title\">{}</tspan>\
@@ -123,7 +129,7 @@ fn draw(out: &mut String, panel: &Panel, time: &[f64], across: &Axis, top: f64) 
          <rect class=\"field\" x=\"{LEFT}\" y=\"{upper}\" width=\"{PLOT_WIDTH}\" \
          height=\"{PLOT_HEIGHT}\"/>",
         top + 16.0,
-        escaped(&panel.title),
+        escaped(&title),
         escaped(&unit(panel.unit))
     );
     for (value, text) in &up.ticks {
@@ -167,8 +173,8 @@ fn draw(out: &mut String, panel: &Panel, time: &[f64], across: &Axis, top: f64) 
             "<path class=\"c{i}\" d=\"{path}\"><title>{}</title></path>",
             escaped(curve.name)
         );
-        // The title of a single curve may be its name.
-        if panel.title == curve.name {
+        // The title of a single curve may be its name, where that is not too long.
+        if title == curve.name {
             y += LINE;
         } else {
             _ = writeln!(
@@ -298,25 +304,24 @@ fn lines(name: &str, most: usize) -> Vec<String> {
         }
     }
     if lines.len() > most {
-        lines = vec![shortened(name)];
+        lines = vec![shortened(name, LETTERS)];
     }
     lines
 }
 
-/// A name that fits beside the plot: names differ at their beginning or at their end.
-fn shortened(name: &str) -> String {
-    if name.chars().map(width).sum::<usize>() <= LETTERS {
+/// A name in so many letters: names differ at their beginning or at their end.
+fn shortened(name: &str, letters: usize) -> String {
+    if name.chars().map(width).sum::<usize>() <= letters {
         return name.to_owned();
     }
-    let half = |letters: &mut dyn Iterator<Item = char>| -> String {
-        let mut room = LETTERS / 2;
-        letters
-            .take_while(|c| {
-                let fits = width(*c) <= room;
-                room = room.saturating_sub(width(*c));
-                fits
-            })
-            .collect()
+    let half = |part: &mut dyn Iterator<Item = char>| -> String {
+        let mut room = letters / 2;
+        part.take_while(|c| {
+            let fits = width(*c) <= room;
+            room = room.saturating_sub(width(*c));
+            fits
+        })
+        .collect()
     };
     let front = half(&mut name.chars());
     let back = half(&mut name.chars().rev());
@@ -400,7 +405,7 @@ mod tests {
         let name: String = ('a'..='z').cycle().take(150).collect();
         let whole = lines(&name, CURVES);
         assert_eq!((whole.len(), whole.concat()), (6, name.clone()));
-        assert_eq!(lines(&name, 5), [shortened(&name)]);
+        assert_eq!(lines(&name, 5), [shortened(&name, LETTERS)]);
         assert_eq!(lines("short", 1), ["short"]);
         assert_eq!(
             lines(&"関".repeat(13), 2),
@@ -417,12 +422,32 @@ mod tests {
         }
     }
 
+    /// A letter of the legend has 8.08 px, which is its room over 25; titles have 14 and 20 px in
+    /// place of 12, and that of a panel leaves room for its unit.
+    #[test]
+    fn a_title_that_is_wider_than_the_picture_is_shortened_and_written_beside_it() {
+        let letter = (WIDTH - LEGEND - 22.0) / 25.0;
+        let fits = |letters: usize, size: f64, room: f64| {
+            let letters: f64 = (0..letters).map(|_| letter * size / 12.0).sum();
+            LEFT + letters <= WIDTH - room
+        };
+        assert!(fits(TITLES[0], 14.0, 72.0) && !fits(TITLES[0] + 1, 14.0, 72.0));
+        assert!(fits(TITLES[1], 20.0, 16.0) && !fits(TITLES[1] + 1, 20.0, 16.0));
+        let name: String = ('a'..='z').cycle().take(150).collect();
+        let svg = svg(&name, &[0.0], &[curve(&name, &[1.0])]).svg;
+        let title = |letters| format!(">{}</t", shortened(&name, letters));
+        assert!(svg.contains(&title(TITLES[0])) && svg.contains(&title(TITLES[1])));
+        for line in lines(&name, CURVES) {
+            assert!(svg.contains(&format!(">{line}<title>")), "{line}");
+        }
+    }
+
     #[test]
     fn long_names_keep_their_beginning_and_their_end() {
         let name = "a_very_long_name_of_a_joint_on_the_left";
-        assert_eq!(shortened(name), "a_very_long_…_on_the_left");
+        assert_eq!(shortened(name, LETTERS), "a_very_long_…_on_the_left");
         assert_eq!(
-            shortened("関節関節関節関節関節関節関節"),
+            shortened("関節関節関節関節関節関節関節", LETTERS),
             "関節関節関節…関節関節関節"
         );
         assert_eq!(unit("N.m.s2"), "N·m·s²");
