@@ -33,8 +33,8 @@ pub(super) fn table(path: &str) -> String {
     format!("{} has the keys {}", shown(path), known.join(", "))
 }
 
-/// What to do about a text in quotes that may be meant as a number or a flag.
-pub(super) fn quoted(name: &str, text: &str) -> String {
+/// What to do about a text in quotes that may be meant as a number or a flag, alone or in a list.
+pub(super) fn quoted(text: &str) -> String {
     let plain = text.trim();
     let unit = plain.find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c)));
     let digits = &plain[..unit.unwrap_or(plain.len())];
@@ -45,11 +45,11 @@ pub(super) fn quoted(name: &str, text: &str) -> String {
         _ => None,
     };
     if is_number(plain) {
-        format!("write {name} = {plain}, without quotes")
+        format!("write {plain}, without quotes")
     } else if is_number(digits) {
-        format!("write the number alone, without quotes, in SI units: {name} = {digits}")
+        format!("write the number alone, without quotes, in SI units: {digits}")
     } else if let Some(flag) = flag {
-        format!("write {name} = {flag}, without quotes")
+        format!("write {flag}, without quotes")
     } else {
         String::new()
     }

@@ -62,19 +62,10 @@ impl Reader<'_> {
             self.error("S103", &value.span(), message, help.unwrap_or_default());
             return None;
         };
-        let told = self.findings.len();
         let numbers: Vec<_> = array
             .iter()
             .filter_map(|element| self.number(name, range, false, element))
             .collect();
-        // One of several is not written as a number alone is.
-        let alone = format!("{name} = ");
-        for help in self.findings[told..]
-            .iter_mut()
-            .filter_map(|f| f.help.as_mut())
-        {
-            *help = help.replace(&alone, "");
-        }
         if let (true, Some(message)) = (name == "rpy", angles::attitude("'rpy'", &numbers)) {
             self.error("S104", &value.span(), message, angles::HELP);
             return None;

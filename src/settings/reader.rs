@@ -215,7 +215,16 @@ impl<'a> Reader<'a> {
         let element = format!("{path}[]");
         if keys::children(&element).is_empty() {
             let Some(table) = value.get_ref().as_table() else {
-                let help = advice::table(path);
+                let further = format!("world.{path}[]");
+                let several = value.get_ref().is_array();
+                let help = if several && !keys::children(&further).is_empty() {
+                    format!(
+                        "write [{path}], and {} for a further one",
+                        advice::shown(&further)
+                    )
+                } else {
+                    advice::table(path)
+                };
                 self.wrong_type_with(name, "a table", value, &help);
                 return None;
             };
@@ -238,10 +247,7 @@ impl<'a> Reader<'a> {
     }
 
     pub(super) fn wrong_type(&mut self, name: &str, expected: &str, value: &Spanned<DeValue>) {
-        let help = value
-            .get_ref()
-            .as_str()
-            .map(|text| advice::quoted(name, text));
+        let help = value.get_ref().as_str().map(advice::quoted);
         self.wrong_type_with(name, expected, value, &help.unwrap_or_default());
     }
 

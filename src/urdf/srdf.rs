@@ -122,12 +122,6 @@ pub fn read_srdf_str(
     }
     let failed = report.has_errors();
     semantics.diagnostics = report.finish();
-    // The reader of XML speaks of the file that it mostly reads.
-    let helps = semantics
-        .diagnostics
-        .iter_mut()
-        .filter_map(|d| d.help.as_mut());
-    helps.for_each(|help| *help = help.replace("a URDF starts", "an SRDF starts"));
     if failed {
         Err(semantics.diagnostics)
     } else {

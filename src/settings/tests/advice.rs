@@ -72,12 +72,19 @@ fn advice_shows_how_a_value_is_written() {
 }
 
 #[test]
+fn a_further_robot_is_told_from_the_table_of_the_first() {
+    let found = finding("[[robot]]\nurdf = \"a.urdf\"");
+    let help = found.help.unwrap_or_default();
+    assert_eq!(help, "write [robot], and [[world.robot]] for a further one");
+}
+
+#[test]
 fn numbers_and_flags_in_quotes_are_told_how_they_are_written() {
     for (text, advice) in [
-        ("robot.scale = \"2\"", "write scale = 2, without quotes"),
+        ("robot.scale = \"2\"", "write 2, without quotes"),
         (
             "robot.density = \"7850 kg/m3\"",
-            "without quotes, in SI units: density = 7850",
+            "without quotes, in SI units: 7850",
         ),
         (
             "world.gravity = [0, 0, \"-9.81\"]",
@@ -85,7 +92,7 @@ fn numbers_and_flags_in_quotes_are_told_how_they_are_written() {
         ),
         (
             "robot.self_collision = \"yes\"",
-            "write self_collision = true, without quotes",
+            "write true, without quotes",
         ),
     ] {
         let help = finding(text).help.unwrap_or_default();

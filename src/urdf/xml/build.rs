@@ -28,9 +28,11 @@ const MOST_ATTRIBUTES: usize = 1_000;
 impl<'t> Document<'t> {
     /// Reads `text`; `None` after reporting why it is not XML.
     pub(in crate::urdf) fn parse(text: &'t str, report: &mut Report) -> Option<Self> {
-        Builder::new(text, &[])
-            .run(report)
-            .filter(|_| !report.has_errors())
+        let mut builder = Builder {
+            kind: "an SRDF",
+            ..Builder::new(text, &[])
+        };
+        builder.run(report).filter(|_| !report.has_errors())
     }
 
     /// Reads the text of a robot as far as it is XML, so that what else is wrong is told, too;
@@ -58,6 +60,8 @@ const PARTS: [&str; 3] = ["inertial", "visual", "collision"];
 #[expect(clippy::struct_excessive_bools, reason = "each is found out by itself")]
 struct Builder<'t> {
     text: &'t str,
+    /// What begins with a robot, for advice; whoever reads another document has its own.
+    kind: &'static str,
     elements: Vec<Element>,
     open: Vec<usize>,
     /// Whether the root has ended.
@@ -109,6 +113,7 @@ impl<'t> Builder<'t> {
     fn new(text: &'t str, apart: &'static [&'static str]) -> Self {
         Self {
             text,
+            kind: "a URDF",
             elements: Vec::new(),
             open: Vec::new(),
             closed: false,
@@ -124,10 +129,15 @@ impl<'t> Builder<'t> {
         }
     }
 
+    /// How the file begins.
+    fn start(&self) -> String {
+        format!("{} starts with <robot name=\"…\">", self.kind)
+    }
+
     fn run(&mut self, report: &mut Report) -> Option<Document<'t>> {
         if let Some(at) = other_text(self.text) {
             let what = "not XML: the file begins with text, not with a tag";
-            let help = "a URDF starts with <robot name=\"…\">: is it the right file?";
+            let help = format!("{}: is it the right file?", self.start());
             report.error("U003", at, what, help);
             return None;
         }
@@ -331,7 +341,7 @@ impl<'t> Builder<'t> {
                 "not XML: there is no element"
             };
             if !report.has_errors() {
-                report.error("U003", 0..0, what, "a URDF starts with <robot name=\"…\">");
+                report.error("U003", 0..0, what, self.start());
             }
             return None;
         }
