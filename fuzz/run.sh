@@ -21,7 +21,7 @@ while getopts n:m option; do
 done
 shift $((OPTIND - 1))
 if [ $# -eq 0 ]; then
-  set -- stl obj ply collada gltf urdf srdf settings model states calls calls3 viewer scene xacro heights surface image decomposition
+  set -- stl obj ply collada gltf urdf srdf settings model states calls calls3 viewer scene xacro heights surface image tables fmu decomposition
 fi
 work=$PWD/target/fuzz
 host=$(rustc -vV | sed -n 's/^host: //p')
@@ -45,6 +45,8 @@ for target in "$@"; do
     heights) folder=fuzz/readers length=400 words=fuzz/readers/heights.dict ;;
     surface) folder=fuzz/readers length=500 ;;
     image) folder=fuzz/readers length=600 ;;
+    tables) folder=fuzz/readers length=300 words=fuzz/readers/tables.dict ;;
+    fmu) folder=fuzz/readers length=1200 words=fuzz/readers/fmu.dict ;;
     settings) length=200 words=fuzz/settings.dict ;;
     model) length=64 ;;
     states) length=96 ;;

@@ -116,6 +116,16 @@ fn the_corpus_of_textures_does_no_harm() {
 }
 
 #[test]
+fn the_corpus_of_tables_does_no_harm() {
+    replay_corpus("tables", targets::tables);
+}
+
+#[test]
+fn the_corpus_of_fmus_does_no_harm() {
+    replay_corpus("fmu", targets::fmu);
+}
+
+#[test]
 fn the_corpus_of_small_meshes_is_decomposed_without_harm() {
     replay_corpus("decomposition", targets::decomposition);
 }

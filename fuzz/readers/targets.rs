@@ -13,6 +13,8 @@
 //! | `heights` | heights of terrain as PNG, NPY or CSV |
 //! | `surface` | triangles of terrain |
 //! | `image` | a texture in PNG or JPEG |
+//! | `tables` | a table of inputs or results |
+//! | `fmu` | an FMU, or its modelDescription.xml |
 #![allow(
     dead_code,
     missing_docs,
@@ -20,20 +22,32 @@
     reason = "each target is a program of its own that uses a part"
 )]
 
+#[path = "../../build/src/describe/words.rs"]
+mod describe;
+#[path = "targets/fmu.rs"]
+mod fmu;
 #[path = "targets/image.rs"]
 mod image;
+#[path = "targets/importer.rs"]
+mod importer;
+#[path = "targets/results.rs"]
+mod results;
 #[path = "targets/scene.rs"]
 mod scene;
 #[path = "targets/srdf.rs"]
 mod srdf;
+#[path = "targets/tables.rs"]
+mod tables;
 #[path = "targets/terrain.rs"]
 mod terrain;
 #[path = "targets/xacro.rs"]
 mod xacro;
 
+pub use fmu::fmu;
 pub use image::image;
 pub use scene::scene;
 pub use srdf::srdf;
+pub use tables::tables;
 pub use terrain::{heights, surface};
 pub use xacro::xacro;
 

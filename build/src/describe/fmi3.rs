@@ -10,7 +10,7 @@ use super::shared::{
     DescribeError, Header, TOOL, check, clean, default_experiment, list, log_categories, naming,
     number, unit_definitions, used_units,
 };
-use super::words::{causality, variability};
+use super::words::{ELEMENTS, causality, variability};
 use crate::structure;
 use crate::units;
 use quick_xml::Writer;
@@ -22,10 +22,6 @@ use urdf2fmu_core::simulation::OutputSlot;
 use urdf2fmu_core::variables::{
     Causality, Entry, Kind, Slot, Unit, Variable, entries, time_reference,
 };
-
-/// Type of the annotation that names the elements of arrays: in each line the value reference of an
-/// array, then the names.
-pub const ELEMENTS: &str = "io.github.urdf2fmu.elements";
 
 /// The XML text.
 ///

@@ -18,13 +18,12 @@ mod shared;
 mod terminals;
 mod words;
 
-pub use fmi3::ELEMENTS;
 pub use shared::{DescribeError, Header};
 pub use terminals::{FILE_NAME as TERMINALS, terminals};
 use urdf2fmu_core::model::Model;
 use urdf2fmu_core::settings::FmiVersion;
 use urdf2fmu_core::variables::Variable;
-pub use words::{STEP_SIZE, causality, number, variability};
+pub use words::{ELEMENTS, STEP_SIZE, causality, number, variability};
 
 /// The XML text, of the version that the settings ask for.
 ///

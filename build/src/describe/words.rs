@@ -3,6 +3,9 @@
 use urdf2fmu_core::tuning::DEFAULT_TOLERANCE;
 use urdf2fmu_core::variables::{Causality, Kind, Slot, Variable};
 
+/// Type of the annotation that names the elements of arrays: in each line the value reference of an
+/// array, then the names.
+pub const ELEMENTS: &str = "io.github.urdf2fmu.elements";
 /// Seconds of the default experiment.
 pub const STOP_TIME: f64 = 10.0;
 /// Communication step of the default experiment, s: what users of 240 Hz simulators are used to.

@@ -1,11 +1,11 @@
 //! What an importer needs of modelDescription.xml.
 
+use super::super::describe::ELEMENTS;
 use super::arrays::{Array, Arrays, Size, is_type};
 use super::attributes::{Attributes, DescriptionError};
 use super::library::{Element, Interface};
 use super::states::States;
 use super::variable::{Kind, Variable};
-use crate::describe::ELEMENTS;
 use quick_xml::Reader;
 use quick_xml::events::Event;
 use std::collections::BTreeMap;

@@ -5,8 +5,8 @@
 //! So are arrays of FMI 3 as `FMPy` and fmusim write them: the elements in one cell, with spaces
 //! between them. Notes say what is left out or corrected.
 
+use super::super::importer::tabular::{delimiter, is_announcement, name_and_unit, wrong_unit};
 use super::names;
-use crate::importer::tabular::{delimiter, is_announcement, name_and_unit, wrong_unit};
 use urdf2fmu_drawing::scene::Scene;
 
 /// Columns of numbers; what is missing is NaN.

@@ -1,9 +1,10 @@
 //! An instance of an FMI 2.0 FMU.
 #![allow(unsafe_code, reason = "loads a library and calls its C functions")]
 
+use super::interface::Interface;
 use super::shared::{
-    Completed, Interface, LAST_GOOD, LibraryError, Message, Stepped, Update, c_text, check,
-    forget_complaints, functions, hear, open, said,
+    Completed, LAST_GOOD, LibraryError, Message, Stepped, Update, c_text, check, forget_complaints,
+    functions, hear, open, said,
 };
 use libloading::Library;
 use std::cell::RefCell;

@@ -2,9 +2,10 @@
 #![allow(unsafe_code, reason = "loads a library and calls its C functions")]
 
 use super::elements::{Element, Wholes};
+use super::interface::Interface;
 use super::shared::{
-    Completed, Interface, LibraryError, Message, Stepped, Update, c_text, check, forget_complaints,
-    functions, hear, open, said,
+    Completed, LibraryError, Message, Stepped, Update, c_text, check, forget_complaints, functions,
+    hear, open, said,
 };
 use libloading::Library;
 use std::cell::RefCell;

@@ -7,10 +7,12 @@
 mod elements;
 mod fmi2;
 mod fmi3;
+mod interface;
 mod shared;
 
 pub use elements::Element;
-pub use shared::{Completed, Interface, LibraryError, Message, Stepped, Update, uri};
+pub use interface::Interface;
+pub use shared::{Completed, LibraryError, Message, Stepped, Update, uri};
 use std::path::Path;
 
 /// An instance of an FMU, with its library.

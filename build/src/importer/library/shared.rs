@@ -74,16 +74,6 @@ impl LibraryError {
     }
 }
 
-/// Who integrates.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Interface {
-    /// The FMU.
-    #[default]
-    CoSimulation,
-    /// The importer.
-    ModelExchange,
-}
-
 /// Takes back the complaints after so many messages: those of a call whose failure is none.
 pub(super) fn forget_complaints(heard: &mut Vec<Message>, since: usize) {
     let mut place = 0;
