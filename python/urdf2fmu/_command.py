@@ -145,6 +145,8 @@ def arguments(options: Mapping[str, Option]) -> list[str]:
         value = getattr(value, "tolist", lambda given=value: given)()
         if value is True:
             out.append(flag)
+        elif name == "object" and isinstance(value, (list, tuple)) and any(isinstance(n, (int, float)) for n in value):
+            raise Error(f"an object is a text such as 'crate.urdf@1,0', or a list of such texts, not {value!r}")
         elif value is not None and value is not False:
             # In one word, so that the command names the option whose value it refuses.
             out += [f"{flag}={item}" for item in _list(value)]
@@ -168,6 +170,8 @@ def file_name(robot: PathLike) -> str:
         raise Error(f"the name of a file is a text or a path, not {robot!r}")
     if not name:
         raise Error("the name of the robot's file is empty")
+    if name.lstrip().startswith("<"):
+        raise Error("a robot is given by the name of its file, not by its text: write that into a file first")
     return os.path.join(os.curdir, name) if name.startswith("-") else name
 
 

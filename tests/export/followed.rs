@@ -287,3 +287,109 @@ fn what_no_xacro_takes_is_not_left_to_another_program() {
         );
     }
 }
+
+/// Each file at its own line, not at the header of its table.
+#[test]
+fn files_that_are_not_there_are_told_at_the_key_that_names_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(folder, "r.urdf", ROBOT);
+    for (table, line) in [
+        (
+            "[[world.object]]\nname = \"a\"\nstatic = true\nurdf = \"no.urdf\"",
+            4,
+        ),
+        (
+            "[[world.robot]]\nname = \"a\"\nxyz = [1, 0, 1]\nurdf = \"no.urdf\"",
+            4,
+        ),
+        (
+            "[[world.robot]]\nname = \"a\"\nurdf = \"r.urdf\"\nconfig = \"no.toml\"",
+            4,
+        ),
+        (
+            "[[world.terrain]]\nname = \"a\"\ntype = \"mesh\"\nfile = \"no.stl\"",
+            4,
+        ),
+        (
+            "[[world.terrain]]\nname = \"a\"\ntype = \"heightfield\"\nsize = [2, 2]\n\
+             file = \"no.png\"",
+            5,
+        ),
+    ] {
+        write(folder, "r.toml", table);
+        let said = said(folder, &["check", "r.urdf", "--config", "r.toml"]);
+        let place = format!("r.toml:{line}:");
+        assert!(
+            said.contains(&place) && said.contains("no."),
+            "{table}: {said}"
+        );
+    }
+}
+
+/// They were told as arguments of xacro, which nobody meant.
+#[test]
+fn files_in_the_place_of_arguments_are_told_with_their_option() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write(folder, "r.urdf", ROBOT);
+    write(folder, "t.csv", "time,base.position.z\n0,1\n1,1\n");
+    write(folder, "c.toml", "");
+    for (args, part) in [
+        (
+            &["report", "r.urdf", "t.csv"][..],
+            "report run.csv --model robot.urdf",
+        ),
+        (&["report", "t.csv", "r.urdf"], "report has it by --model"),
+        (
+            &["init", "r.urdf", "c.toml"],
+            "init writes them to --output",
+        ),
+        (
+            &["check", "r.urdf", "c.toml"],
+            "settings are given by --config",
+        ),
+        (&["picture", "r.urdf", "a.png"], "named by --output"),
+        (
+            &["check", "r.urdf", "a"],
+            "arguments of xacro are written name:=value",
+        ),
+    ] {
+        let said = said(folder, args);
+        assert!(said.contains(part), "{args:?}: {said}");
+    }
+    let run = run_in(folder, &["report", "t.csv", "--model", "r.urdf"], &[]);
+    assert_eq!(run.code, 0, "{run:?}");
+}
+
+/// The advice for a joint of another robot is followed: its own settings take it.
+#[test]
+fn joints_of_another_robot_are_told_where_their_settings_stand() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let arm = "<robot name='r'><link name='base'/><link name='l'><inertial><mass value='1'/>\
+        <inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>\
+        <joint name='j' type='continuous'><parent link='base'/><child link='l'/></joint></robot>";
+    write(folder, "r.urdf", arm);
+    let other = "[[world.robot]]\nname = \"b\"\nurdf = \"r.urdf\"\nxyz = [5, 0, 0]\n";
+    let table = "[[actuator]]\njoint = \"NAME\"\nmode = \"velocity\"\n";
+    let args = &["check", "r.urdf", "--config", "c.toml"];
+    write(
+        folder,
+        "c.toml",
+        format!("{other}{}", table.replace("NAME", "b.j")),
+    );
+    let said = said(folder, args);
+    assert!(
+        said.contains("write config = \"b.toml\" in its [[world.robot]]"),
+        "{said}"
+    );
+    assert!(
+        said.contains("with 'j'") && !said.contains("a later one sets"),
+        "{said}"
+    );
+    write(folder, "c.toml", format!("{other}config = \"b.toml\"\n"));
+    write(folder, "b.toml", table.replace("NAME", "j"));
+    let run = run_in(folder, args, &[]);
+    assert_eq!(run.code, 0, "{run:?}");
+}

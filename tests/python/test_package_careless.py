@@ -430,3 +430,14 @@ def test_an_empty_list_of_outputs_is_told(rover):
     """It gave all of them."""
     with pytest.raises(Error, match="output is an empty list"):
         urdf2fmu.simulate(rover, output=[])
+
+
+def test_a_robot_as_text_and_an_object_as_a_tuple_are_told_how_they_are_given(examples):
+    """They were names of files that cannot be read: a whole URDF, and '1'."""
+    with pytest.raises(Error, match="by the name of its file, not by its text"):
+        urdf2fmu.check((examples / "rover.urdf").read_text())
+    crate = examples / "worlds" / "crate.urdf"
+    with pytest.raises(Error, match="an object is a text such as 'crate.urdf@1,0'"):
+        urdf2fmu.check(examples / "rover.urdf", object=(str(crate), 2, 0))
+    found = urdf2fmu.check(examples / "rover.urdf", object=f"{crate}@2,0")
+    assert not [finding for finding in found if finding["severity"] == "error"]

@@ -12,13 +12,32 @@ const LONGEST_SIDE: usize = 4096;
 pub(super) fn xacro_argument(text: &str) -> Result<String, String> {
     match text.split_once(":=") {
         Some((name, _)) if !name.is_empty() && !name.starts_with('-') => Ok(text.to_owned()),
-        _ => Err(
+        _ => Err(of_file(text).unwrap_or(
             "it belongs to no option, and arguments of xacro are written name:=value; an option \
              that takes one value is repeated for another one, as in --output-variable A \
-             --output-variable B"
-                .to_owned(),
-        ),
+             --output-variable B",
+        )
+        .to_owned()),
     }
+}
+
+/// What to do about a file that stands where arguments of xacro do.
+fn of_file(text: &str) -> Option<&'static str> {
+    let ending = std::path::Path::new(text).extension()?.to_str()?;
+    Some(match ending.to_ascii_lowercase().as_str() {
+        "csv" => {
+            "a table of inputs is given by --input-file; report takes the results first and the \
+             robot by --model: urdf2fmu report run.csv --model robot.urdf"
+        }
+        "toml" => "settings are given by --config; init writes them to --output",
+        "urdf" | "xacro" | "fmu" => {
+            "one robot is taken: report has it by --model, objects stand by --object, and further \
+             robots in [[world.robot]] of the settings"
+        }
+        "srdf" => "an SRDF is given by --srdf",
+        "html" | "png" | "svg" => "what is written is named by --output",
+        _ => return None,
+    })
 }
 
 /// A folder that is there.
