@@ -239,7 +239,7 @@ fn files_that_are_not_there_are_told_with_the_one_that_is() {
         ),
         (
             ["check", text(&rover), "-c", text(&settings)].to_vec(),
-            "rover.toml:1:1]",
+            "rover.toml:3:8]",
         ),
         (
             [

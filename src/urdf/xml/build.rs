@@ -130,14 +130,14 @@ impl<'t> Builder<'t> {
     }
 
     /// How the file begins.
-    fn start(&self) -> String {
+    fn beginning(&self) -> String {
         format!("{} starts with <robot name=\"…\">", self.kind)
     }
 
     fn run(&mut self, report: &mut Report) -> Option<Document<'t>> {
         if let Some(at) = other_text(self.text) {
             let what = "not XML: the file begins with text, not with a tag";
-            let help = format!("{}: is it the right file?", self.start());
+            let help = format!("{}: is it the right file?", self.beginning());
             report.error("U003", at, what, help);
             return None;
         }
@@ -341,7 +341,7 @@ impl<'t> Builder<'t> {
                 "not XML: there is no element"
             };
             if !report.has_errors() {
-                report.error("U003", 0..0, what, self.start());
+                report.error("U003", 0..0, what, self.beginning());
             }
             return None;
         }
