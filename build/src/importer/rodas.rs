@@ -80,6 +80,17 @@ const FIRST: f64 = 1e-5;
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 6.0;
+/// Increment of a state for differences, in parts of its size: the power 2/3 of the least
+/// difference of numbers of size 1.
+///
+/// The order of the method rests on right derivatives by the states, and differences err by
+/// rounding and by curvature. By this increment rounding is 6e-6, the power 1/3, of a change of the
+/// derivatives by their own size. That of the power 1/2 suits what is curved on the scale of its
+/// size; but positions count by metres, and hard contacts, which are curved on the scale of their
+/// depth, are less than a micrometre deep: a Panda that holds a cube takes four times as many steps
+/// by it. Test: `a_hard_contact_is_followed_in_long_steps`.
+const INCREMENT: f64 = 3.666_852_862_501_036e-11;
+
 /// Shortest step in parts of the time: below it the time does not advance.
 const LEAST: f64 = 4.0 * f64::EPSILON;
 
@@ -205,13 +216,12 @@ impl Rodas {
     /// Evaluates derivatives, and their own derivatives by the states and by the time, at the
     /// beginning of a step; false where there are none.
     fn linearise<Q: Equations>(&mut self, equations: &mut Q, end: f64) -> Result<bool, Q::Error> {
-        let root = f64::EPSILON.sqrt();
         let time = self.time;
         if !evaluated(equations, time, &self.states, &mut self.rates)? {
             return Ok(false);
         }
         // Within the piece up to `end`, where the inputs do not jump.
-        let later = time + (root * time.abs().max(1.0)).min(0.5 * (end - time));
+        let later = time + (f64::EPSILON.sqrt() * time.abs().max(1.0)).min(0.5 * (end - time));
         if !evaluated(equations, later, &self.states, &mut self.there)? {
             return Ok(false);
         }
@@ -222,7 +232,7 @@ impl Rodas {
         let mut moved = self.states.clone();
         for column in 0..moved.len() {
             let state = moved[column];
-            moved[column] = state + root * state.abs().max(self.nominals[column]);
+            moved[column] = state + INCREMENT * state.abs().max(self.nominals[column]);
             let difference = moved[column] - state;
             if !evaluated(equations, time, &moved, &mut self.there)? {
                 return Ok(false);
@@ -378,6 +388,24 @@ mod tests {
         assert!((states[0] - (-2.0_f64).exp()).abs() < 1e-6, "{states:?}");
         assert!((states[1] - 2.0_f64.cos()).abs() < 1e-6, "{states:?}");
         assert!(evaluations < 1000, "{evaluations}");
+    }
+
+    #[test]
+    fn a_hard_contact_is_followed_in_long_steps() {
+        // A mass of 1 kg on a Hertzian contact, 20 nm deep under its weight, that a force shakes:
+        // the depth follows the force by the law. With increments of 1.5e-8 m it took 1,794
+        // evaluations.
+        const DEPTH: f64 = 2e-8;
+        let force = |t: f64| 10.0 + 5.0 * (6.0 * t).sin();
+        let contact = |t: f64, x: &[f64], rates: &mut [f64]| {
+            let load = 10.0 * ((-x[0]).max(0.0) / DEPTH).powf(1.5);
+            rates[0] = x[1];
+            rates[1] = load * (1.0 - 500.0 * x[1]) - force(t);
+        };
+        let (states, evaluations) = integrated(contact, &[-DEPTH, 0.0], 2.0, 1e-6);
+        let depth = DEPTH * (force(2.0) / 10.0).powf(2.0 / 3.0);
+        assert!((states[0] + depth).abs() < 0.1 * DEPTH, "{states:?}");
+        assert!(evaluations < 200, "{evaluations}");
     }
 
     #[test]
