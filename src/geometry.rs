@@ -114,6 +114,7 @@ impl TryFrom<Stored> for Shape {
 
 impl Shape {
     /// Largest distance of a point of the shape from its origin, m.
+    #[cfg_attr(small, optimize(size))]
     pub fn bounding_radius(&self) -> f64 {
         match self {
             Self::Sphere { radius } => *radius,

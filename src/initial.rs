@@ -64,6 +64,7 @@ pub(crate) fn initial_state(model: &Model, parameters: &Parameters, time: f64) -
 /// many times as hard then.
 ///
 /// - `tree`: with springs that are made for the weight, see [`Tree::scale`]
+#[cfg_attr(small, optimize(size))]
 pub(crate) fn in_ground<'a>(
     model: &'a Model,
     (tree, kin): (&'a Tree, &'a Kinematics),

@@ -404,6 +404,7 @@ impl Model {
 
     /// Pose `X_BS` of the solver's frame of a body in the body's own: its z axis is the joint's
     /// axis, and that of a floating base stands in its centre of mass unless it is driven.
+    #[cfg_attr(small, optimize(size))]
     pub fn solver_frame(&self, body: BodyId) -> Pose {
         let motion = self.bodies[body.index()].motion;
         Pose {
@@ -434,6 +435,7 @@ impl Model {
     }
 
     /// The first actuator of each one's group: itself for those in none.
+    #[cfg_attr(small, optimize(size))]
     pub fn leaders(&self) -> Vec<usize> {
         let mut leaders: Vec<usize> = (0..self.actuators.len()).collect();
         for group in &self.outputs.groups {

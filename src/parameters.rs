@@ -84,6 +84,7 @@ impl Parameters {
         p
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn index(&self, slot: ParameterSlot) -> usize {
         let joints = 2 * self.actuators;
         let links = joints + 4 * self.joints;
@@ -117,6 +118,7 @@ impl Parameters {
     /// Whether `values` are what the parameters, with the model's defaults now, may be set to. A
     /// default may lie outside of its range: a link without mass is one, but nobody can take a
     /// link's mass away.
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn allow(&self, values: &[f64]) -> bool {
         use ParameterSlot as P;
         let (actuator, joint, link) = (ActuatorId::from(0), JointId::from(0), LinkId::from(0));

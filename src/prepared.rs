@@ -145,6 +145,7 @@ impl PreparedModel {
         Self::fields(&mut reader).map_err(|fault| reader.told(&fault))
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn fields(reader: &mut Reader) -> Result<Self, Fault> {
         let mut object = reader.object(FIELDS)?;
         let mut prepared = Self {
@@ -183,6 +184,7 @@ pub(crate) fn model_hash(model: &Model) -> u64 {
 
 /// [`model_hash`] of the model that is stored by this text. Nothing is written for it, which would
 /// take half of the time of loading, and code in each library.
+#[cfg_attr(small, optimize(size))]
 fn text_hash(text: &str) -> u64 {
     let mut hash = Fnv::default();
     let (mut quoted, mut escaped) = (false, false);

@@ -106,7 +106,8 @@ macro_rules! ranges {
                 match self { $(Self::$name => ($least, $greatest)),* }
             }
 
-            /// Whether `value` is legal.
+            /// Whether `value` is legal. Not inlined, so that a library has it once.
+            #[inline(never)]
             pub fn contains(self, value: f64) -> bool {
                 match self {
                     $(Self::$name => $((value == 0.0 && matches!($zero, 0)) ||)?

@@ -261,6 +261,7 @@ impl Simulation {
     /// Sets the time derivative of order 1 … [`crate::inputs::INPUT_ORDERS`] of an input, for the
     /// next step: there the input follows its Taylor polynomial, after it the input stays where
     /// that has ended and its derivatives are 0. `value` is finite.
+    #[cfg_attr(small, optimize(size))]
     pub fn set_input_derivative(&mut self, slot: InputSlot, order: usize, value: f64) {
         if self.inputs.set_derivative(slot, order, value) {
             self.input_changed(slot);
@@ -349,6 +350,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`SimulationError::Value`].
+    #[cfg_attr(small, optimize(size))]
     pub fn check_parameter(&self, slot: ParameterSlot, value: f64) -> Result<(), SimulationError> {
         let set = self.parameters.get(slot);
         check(slot.range(), set, value, || format!("parameter {slot:?}"))?;
@@ -357,6 +359,7 @@ impl Simulation {
 
     /// Sets a parameter; `value` has passed [`Self::check_parameter`]. Fixed ones only before
     /// [`Self::initialize`].
+    #[cfg_attr(small, optimize(size))]
     pub fn set_parameter(&mut self, slot: ParameterSlot, value: f64) {
         if self.parameters.get(slot).to_bits() == value.to_bits() {
             return;
@@ -382,6 +385,7 @@ impl Simulation {
     }
 
     /// Copies everything that a later run needs.
+    #[cfg_attr(small, optimize(size))]
     pub fn save(&self) -> Snapshot {
         // Not a clone: room for all touches, so that saving again needs none.
         let mut state = State::new(&self.model);
@@ -404,6 +408,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`SimulationError::State`] for anything else.
+    #[cfg_attr(small, optimize(size))]
     pub fn saved_from_bytes(&self, bytes: &[u8]) -> Result<Snapshot, SimulationError> {
         Ok(Snapshot::with_hash(&self.model, self.hash, bytes)?)
     }
@@ -428,6 +433,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`SimulationError::State`] if it belongs to another model.
+    #[cfg_attr(small, optimize(size))]
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimulationError> {
         if snapshot.hash != self.hash {
             let reason = "it belongs to another model".to_owned();

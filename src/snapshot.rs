@@ -126,6 +126,7 @@ impl Snapshot {
 
     /// Numbers of touches, loads and coefficients in `bytes`, if they are possible and fit their
     /// length; `self` has none of them.
+    #[cfg_attr(small, optimize(size))]
     fn counts(&self, model: &Model, bytes: &[u8]) -> Option<[usize; 3]> {
         let fixed = self.byte_len();
         let counts = bytes.get(fixed.checked_sub(32)?..fixed - 8)?;

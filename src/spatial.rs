@@ -148,6 +148,7 @@ impl RigidInertia {
 
     /// The same body seen from A, given the pose `X_AB`.
     #[must_use]
+    #[cfg_attr(small, optimize(size))]
     pub fn transformed(&self, X_AB: &Pose) -> Self {
         Self {
             mass: self.mass,
@@ -158,6 +159,7 @@ impl RigidInertia {
 
     /// Two bodies rigidly joined; both in one frame.
     #[must_use]
+    #[cfg_attr(small, optimize(size))]
     pub fn joined(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
         if mass <= 0.0 {

@@ -56,6 +56,7 @@ use crate::tuning::FACE;
 use std::sync::Arc;
 
 /// A pose in the frame of the solver, whose pose in the same frame is `X_BS`.
+#[cfg_attr(small, optimize(size))]
 pub(crate) fn within(X_BS: &Pose, X_BG: &Pose) -> Pose {
     let R_SB = X_BS.R.transpose();
     Pose {
@@ -371,6 +372,7 @@ impl Tree {
     }
 
     /// Takes over the tunable parameters: what may change between two steps.
+    #[cfg_attr(small, optimize(size))]
     pub fn tune(&mut self, model: &Model, parameters: &Parameters) {
         self.world.gravity = Vec3::new(
             parameters.get(P::Gravity(0)),

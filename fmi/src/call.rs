@@ -105,6 +105,7 @@ pub(crate) fn into_pointer(instance: Instance) -> *mut c_void {
 ///
 /// # Safety
 /// As [`call`]; afterwards `c` is dangling.
+#[cfg_attr(small, optimize(size))]
 pub(crate) unsafe fn free<F: Function>(c: *mut c_void) {
     // SAFETY: the caller's promise.
     let Some(handle) = (unsafe { handle(c) }) else {
@@ -210,6 +211,7 @@ fn guarded<F: Function>(instance: &mut Instance, function: F, resumed: bool, bod
 /// Says why a function may not be called now.
 #[cold]
 #[inline(never)]
+#[cfg_attr(small, optimize(size))]
 fn refuse<F: Function>(instance: &mut Instance, function: F) -> Status {
     let (name, made) = (function.name(), instance.version());
     if made != F::VERSION {
@@ -229,6 +231,7 @@ fn refuse<F: Function>(instance: &mut Instance, function: F) -> Status {
 /// Reports an error, or a panic.
 #[cold]
 #[inline(never)]
+#[cfg_attr(small, optimize(size))]
 fn fail(
     instance: &mut Instance,
     name: &'static str,

@@ -85,6 +85,7 @@ impl Layout {
         Ok(layout)
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn add(&mut self, name: &str, kind: Kind, reference: u32, rows: &[u32]) {
         let number = |n: usize| u32::try_from(n).expect("a robot has fewer than 2^32 variables");
         let reference = reference as usize;
@@ -142,6 +143,7 @@ impl Layout {
 
     /// Why a value reference is no variable of the type asked for.
     #[cold]
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn wrong(&self, value_reference: u32, asked: &'static str) -> FmiError {
         let place = self.find(value_reference);
         if place.len > 0 {

@@ -132,6 +132,7 @@ impl Logger {
     }
 
     /// Hands over `message` if its category is enabled.
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn log(&self, status: Status, category: Category, message: &str) {
         if !self.wants(category) {
             return;
@@ -162,6 +163,7 @@ const LONGEST: usize = 900;
 
 /// `message` with its special signs doubled: for FMI 2 as a printf format that prints it. A zero
 /// byte would end it and becomes a blank. What is too long ends with `…`.
+#[cfg_attr(small, optimize(size))]
 fn escaped(message: &str, version: Version) -> CString {
     const END: &str = "…";
     let mut format: Vec<u8> = Vec::with_capacity(message.len().min(LONGEST) + 9);

@@ -25,6 +25,7 @@ thread_local! {
 }
 
 /// Makes this library's panics silent. Allocates nothing: the hook has no size.
+#[cfg_attr(small, optimize(size))]
 pub(crate) fn silence() {
     // In unit tests the hook would be the test program's, whose messages are wanted.
     if cfg!(not(test)) {
@@ -32,6 +33,7 @@ pub(crate) fn silence() {
     }
 }
 
+#[cfg_attr(small, optimize(size))]
 fn note(info: &PanicHookInfo<'_>) {
     // The libraries of a release are built without places: they have no lines.
     let known = info.location().filter(|location| location.line() > 0);
@@ -50,6 +52,7 @@ fn note(info: &PanicHookInfo<'_>) {
 }
 
 /// What a caught panic said, and where.
+#[cfg_attr(small, optimize(size))]
 pub(crate) fn message(payload: &(dyn Any + Send)) -> String {
     let text = payload
         .downcast_ref::<&str>()

@@ -12,6 +12,7 @@ use std::marker::PhantomData;
 ///
 /// # Safety
 /// `text` is null or points to a zero-terminated string that stays unchanged during the call.
+#[cfg_attr(small, optimize(size))]
 pub(crate) unsafe fn bytes(text: *const c_char) -> Option<Vec<u8>> {
     if text.is_null() {
         return None;
@@ -24,6 +25,7 @@ pub(crate) unsafe fn bytes(text: *const c_char) -> Option<Vec<u8>> {
 ///
 /// # Safety
 /// As [`bytes`].
+#[cfg_attr(small, optimize(size))]
 pub(crate) unsafe fn text(text: *const c_char) -> Option<String> {
     // SAFETY: the caller's promise.
     Some(String::from_utf8_lossy(&unsafe { bytes(text) }?).into_owned())
@@ -85,12 +87,17 @@ impl<T: Copy> In<'_, T> {
         }
     }
 
-    /// Elements from first to last.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = T> {
-        (0..self.len).map(|index| {
+    /// An element, if there are so many.
+    pub(crate) fn at(&self, index: usize) -> Option<T> {
+        (index < self.len).then(|| {
             // SAFETY: `index < len`; the rest was promised to `new`. `T` is a plain C type.
             unsafe { self.first.add(index).read_unaligned() }
         })
+    }
+
+    /// Elements from first to last.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = T> {
+        (0..self.len).map_while(|index| self.at(index))
     }
 }
 

@@ -106,6 +106,7 @@ impl SavedState {
     ///
     /// # Errors
     /// [`FmiError::State`]
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn write_to(&self, place: &mut Out<u8>) -> Result<(), FmiError> {
         let bytes = self.to_bytes();
         if place.len() != bytes.len() {
@@ -123,6 +124,7 @@ impl SavedState {
     ///
     /// # Errors
     /// [`FmiError::State`] if it cannot.
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn check(&self, guid: GuidHash, version: Version) -> Result<(), FmiError> {
         check(self.guid, self.version, guid, version)
     }
@@ -131,6 +133,7 @@ impl SavedState {
     ///
     /// # Errors
     /// [`FmiError::State`] for anything else.
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn from_bytes(
         guid: GuidHash,
         fmi: Version,
@@ -192,6 +195,7 @@ impl SavedState {
 }
 
 /// Whether a state of the FMU `found` and the version `spoken` serves `guid` and `fmi`.
+#[cfg_attr(small, optimize(size))]
 fn check(found: GuidHash, spoken: Version, guid: GuidHash, fmi: Version) -> Result<(), FmiError> {
     let reason = if spoken != fmi {
         format!("it was saved by {spoken} functions; {fmi} functions read their own only")

@@ -207,6 +207,7 @@ fn without_slash_before_drive(path: &[u8]) -> Vec<u8> {
 }
 
 /// Replaces `%HH`; a `%` that is not followed by two hexadecimal digits stays, and so does `%00`.
+#[cfg_attr(small, optimize(size))]
 fn percent_decoded(path: &[u8]) -> Vec<u8> {
     let digit = |byte: u8| u8::try_from(char::from(byte).to_digit(16)?).ok();
     let mut decoded = Vec::with_capacity(path.len());

@@ -40,6 +40,7 @@ crate::spoil::spoil!(Schur: Y groups spans ends W first y;);
 
 impl Schur {
     /// Room for all loops of a tree.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(tree: &Tree) -> Self {
         let (rows, nv) = (Rows::most(tree), tree.sparsity.len());
         let parts = tree.closures.iter().map(|c| c.parts.len()).sum();

@@ -23,6 +23,7 @@ crate::spoil::spoil!(Skyline: first start last entries;);
 
 impl Skyline {
     /// Room for so many rows.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(rows: usize) -> Self {
         Self {
             first: Vec::with_capacity(rows),

@@ -129,6 +129,7 @@ fn find_acting(ctx: &Context, point: &Point, acting: &mut Vec<usize>) {
 
 /// Adds the limits of joints that act, by numbers that no slot has: from the largest one downwards,
 /// two for each degree of freedom.
+#[cfg_attr(small, optimize(size))]
 fn add_stopped(ctx: &Context, point: &Point, acting: &mut Vec<usize>) {
     for term in &point.terms.joints {
         let stopped = term.is_stopped(ctx.tree.limit_load(term.dof));

@@ -75,6 +75,7 @@ impl States {
     /// Those of a model that can be exchanged, else none.
     ///
     /// - `tree`: that of the model's own parameters
+    #[cfg_attr(small, optimize(size))]
     pub fn of(model: &Model, tree: &Tree) -> Self {
         if model.outputs.interface.exchanges() {
             Self::new(model, tree)

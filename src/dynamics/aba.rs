@@ -36,6 +36,7 @@ crate::spoil::spoil!(Articulated: IA pA c U D u A;);
 
 impl Articulated {
     /// Buffers for a tree.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(tree: &Tree) -> Self {
         let (nb, nc) = (tree.bodies.len(), tree.dof.len());
         Self {

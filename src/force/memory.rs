@@ -67,6 +67,7 @@ pub struct Memory {
 
 impl Memory {
     /// Nothing remembered; room for all that a robot can touch.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model) -> Self {
         Self {
             touches: Vec::with_capacity(model.contact_room()[0]),

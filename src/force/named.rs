@@ -28,6 +28,7 @@ enum Side {
 
 impl NamedPairs {
     /// Those of a model.
+    #[cfg_attr(small, optimize(size))]
     pub fn new(model: &Model) -> Self {
         let (pairs, links) = (model.outputs.pairs.len(), model.links.len());
         let mut sides = vec![None; pairs * (links + 1)];

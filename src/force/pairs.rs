@@ -384,6 +384,7 @@ pub(super) fn is_apart(tree: &Tree, kin: &Kinematics, h: f64) -> bool {
 
 /// Places of all that may touch a shape which moves and stays in a range of x, m: of what moves,
 /// those behind its own, so that each pair is met once.
+#[cfg_attr(small, optimize(size))]
 fn partners(tree: &Tree, own: usize, range: [f64; 2]) -> impl Iterator<Item = usize> + use<'_> {
     let later = tree.worked_movers().map(|(place, _)| place);
     let later = later.skip_while(move |place| *place <= own);

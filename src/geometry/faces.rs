@@ -140,6 +140,7 @@ fn shares(corners: &[Vec3], list: &[usize], normal: &Vec3) -> Vec<f64> {
 }
 
 /// Indices of the points on the convex outline, counter-clockwise (Andrew's monotone chain).
+#[cfg_attr(small, optimize(size))]
 pub(super) fn outline(points: &[(f64, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {

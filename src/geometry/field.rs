@@ -120,6 +120,7 @@ pub fn normal([x, y]: [f64; 2]) -> Vec3 {
 impl TryFrom<Samples> for Field {
     type Error = GeometryError;
 
+    #[cfg_attr(small, optimize(size))]
     fn try_from(samples: Samples) -> Result<Self, GeometryError> {
         samples.check()?;
         Ok(Self::of(samples))

@@ -137,6 +137,7 @@ fn outermost(points: &[Vec3], from: &Vec3, value: impl Fn(&Vec3) -> f64) -> usiz
 }
 
 /// Quickhull in a plane: corners in order, and the largest distance of a point from them.
+#[cfg_attr(small, optimize(size))]
 fn polygon(points: &[Vec3], ends: [usize; 2], normal: &Vec3, most: usize) -> (Vec<usize>, f64) {
     struct Edge {
         start: usize,
@@ -267,6 +268,7 @@ impl<'p> Solid<'p> {
     }
 
     /// `None` if the corners are in line.
+    #[cfg_attr(small, optimize(size))]
     fn facet(&self, corners: [usize; 3], across: [usize; 3]) -> Option<Facet> {
         let [a, b, c] = corners.map(|i| self.points[i]);
         // From the corner opposite the longest edge round-off is least.
@@ -289,6 +291,7 @@ impl<'p> Solid<'p> {
 
     /// Gives each point to the facet from `from` on that it is furthest outside of; points inside
     /// are dropped.
+    #[cfg_attr(small, optimize(size))]
     fn distribute(&mut self, candidates: &[usize], from: usize) {
         for &i in candidates {
             let mut best = (ON_HULL, None);
@@ -308,6 +311,7 @@ impl<'p> Solid<'p> {
     }
 
     /// Finds the furthest point of a facet and queues it.
+    #[cfg_attr(small, optimize(size))]
     fn rank(&mut self, f: usize) {
         let facet = &self.facets[f];
         let [a, b, c] = facet.corners.map(|i| self.points[i]);
@@ -426,6 +430,7 @@ impl<'p> Solid<'p> {
     }
 
     /// Corners in use, ascending.
+    #[cfg_attr(small, optimize(size))]
     fn corners(&self) -> Vec<usize> {
         let mut list: Vec<usize> = self.alive().flat_map(|f| f.corners).collect();
         list.sort_unstable();

@@ -67,6 +67,7 @@ struct Node {
 impl TryFrom<Triangles> for Surface {
     type Error = GeometryError;
 
+    #[cfg_attr(small, optimize(size))]
     fn try_from(given: Triangles) -> Result<Self, GeometryError> {
         let count = given.triangles.len();
         if count == 0 || count > MOST_TRIANGLES {
@@ -164,6 +165,7 @@ impl Surface {
     }
 
     /// Sorts the facets into boxes.
+    #[cfg_attr(small, optimize(size))]
     fn build_tree(&mut self) {
         self.order = (0..self.facets.len()).collect();
         self.boxes.clear();

@@ -91,6 +91,7 @@ impl Search<'_> {
     }
 
     /// Weighs all degrees of freedom but those that are held.
+    #[cfg_attr(small, optimize(size))]
     fn free(&mut self, held: &dyn Fn(usize) -> bool) {
         let weights = &self.tree.dofs.weight;
         for (k, (free, weight)) in self.freedom.iter_mut().zip(weights).enumerate() {
@@ -129,6 +130,7 @@ impl Search<'_> {
     }
 
     /// Moves by `share` of the change, within the limits.
+    #[cfg_attr(small, optimize(size))]
     fn go(&self, share: f64, q: &mut [f64]) {
         let from = q.to_vec();
         advance(self.tree, &from, &self.change, share, q);

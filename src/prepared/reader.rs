@@ -30,12 +30,14 @@ struct Message {
 
 #[cold]
 #[inline(never)]
+#[cfg_attr(small, optimize(size))]
 fn fault<T>(text: String) -> Result<T, Fault> {
     Err(Fault(Box::new(Message { text })))
 }
 
 #[cold]
 #[inline(never)]
+#[cfg_attr(small, optimize(size))]
 fn expected<T>(what: &str) -> Result<T, Fault> {
     fault(format!("expected {what}"))
 }
@@ -80,6 +82,7 @@ impl<'t> Reader<'t> {
     }
 
     /// A fault with its place.
+    #[cfg_attr(small, optimize(size))]
     pub fn told(&self, fault: &Fault) -> String {
         let before = &self.text.as_bytes()[..self.at.min(self.text.len())];
         let line = before.split(|byte| *byte == b'\n').count();
@@ -111,6 +114,7 @@ impl<'t> Reader<'t> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn expect(&mut self, byte: u8) -> Result<(), Fault> {
         if self.peek() == Some(byte) {
             self.at += 1;
@@ -121,6 +125,7 @@ impl<'t> Reader<'t> {
 
     /// Whether the next value is this word, which is then behind the reader.
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     fn word(&mut self, word: &str) -> bool {
         let is =
             self.peek().is_some() && self.text.as_bytes()[self.at..].starts_with(word.as_bytes());
@@ -148,6 +153,7 @@ impl<'t> Reader<'t> {
     }
 
     /// The end of the number that begins here, as JSON writes them.
+    #[cfg_attr(small, optimize(size))]
     fn number(&mut self) -> Option<usize> {
         self.peek();
         let whole = self.at + usize::from(self.byte(self.at) == Some(b'-'));
@@ -175,6 +181,7 @@ impl<'t> Reader<'t> {
 
     /// The standard library's reader of numbers gives the nearest one.
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     fn float(&mut self) -> Result<f64, Fault> {
         let Some(end) = self.number() else {
             return expected("a number");
@@ -189,6 +196,7 @@ impl<'t> Reader<'t> {
     }
 
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     fn unsigned(&mut self) -> Result<u64, Fault> {
         if let Some(end) = self.number()
             && let Ok(number) = self.text[self.at..end].parse::<u64>()
@@ -200,6 +208,7 @@ impl<'t> Reader<'t> {
     }
 
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     fn string(&mut self) -> Result<Cow<'t, str>, Fault> {
         if self.peek() != Some(b'"') {
             return expected("a text in quotes");
@@ -230,6 +239,7 @@ impl<'t> Reader<'t> {
     }
 
     /// The character that stands behind a backslash.
+    #[cfg_attr(small, optimize(size))]
     fn escaped(&mut self) -> Result<char, Fault> {
         let byte = self.byte(self.at);
         self.at += 1;
@@ -263,6 +273,7 @@ impl<'t> Reader<'t> {
     }
 
     /// Four hexadecimal digits.
+    #[cfg_attr(small, optimize(size))]
     fn unit(&mut self) -> Result<u32, Fault> {
         let digits = self.text.get(self.at..self.at + 4);
         let digits = digits.filter(|digits| digits.bytes().all(|byte| byte.is_ascii_hexdigit()));
@@ -276,6 +287,7 @@ impl<'t> Reader<'t> {
     }
 
     /// Passes over a value. What is in it is looked at where it is read.
+    #[cfg_attr(small, optimize(size))]
     fn skip(&mut self) -> Result<(), Fault> {
         let mut depth = 0_usize;
         loop {

@@ -112,6 +112,7 @@ impl Simulation {
     }
 
     /// Stiffness and error weights, which follow from the initial position.
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn scale_tree(&mut self, q: &[f64]) {
         let kin = &mut self.readout.point.kin;
         kin.update_poses(&self.tree, q);

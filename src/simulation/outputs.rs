@@ -46,6 +46,7 @@ impl Simulation {
     }
 
     /// First time derivative of an output; None where it has none, see `readout`.
+    #[cfg_attr(small, optimize(size))]
     pub fn output_derivative(&mut self, slot: OutputSlot) -> Option<f64> {
         let reading = self.reading();
         let state = shown(&reading.posed, reading.state);
@@ -122,6 +123,7 @@ impl<'a> Reading<'a> {
     }
 
     /// Computes the derivatives of all states.
+    #[cfg_attr(small, optimize(size))]
     fn derive(&mut self) {
         let Some(posed) = &mut self.posed else {
             return;

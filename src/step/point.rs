@@ -67,6 +67,7 @@ pub struct Point {
 crate::spoil::spoil!(Point: kin terms felt complete;);
 
 impl Point {
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn new(model: &Model, tree: &Tree) -> Self {
         Self {
             kin: Kinematics::new(tree),

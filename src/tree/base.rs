@@ -65,6 +65,7 @@ impl BaseFrame {
 
     /// Puts the solver's frame to where position and velocity in `q` and `v` are those of the
     /// link's origin.
+    #[cfg_attr(small, optimize(size))]
     pub fn take_link(&self, q: &mut [f64], v: &mut [f64]) {
         let r = self.way(q);
         let carried = three(v, self.dof).cross(&r);

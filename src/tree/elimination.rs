@@ -118,6 +118,7 @@ fn fewest_neighbours(beside: &[Vec<usize>]) -> Vec<usize> {
 /// Multiplications of the factor, whose rows go from the first neighbour to the diagonal.
 ///
 /// - `rows`: of each loop
+#[cfg_attr(small, optimize(size))]
 fn cost(order: &[usize], beside: &[Vec<usize>], rows: &[usize]) -> usize {
     let (mut end, mut spans) = (0, vec![0..0; order.len()]);
     for index in order {

@@ -187,6 +187,7 @@ impl Tree {
 
     /// What the joint of a body lets it do where all joints are at zero: twists about the place of
     /// the base, world axes, and their columns.
+    #[cfg_attr(small, optimize(size))]
     fn twists(&self, b: usize) -> ([Vec6; 6], Range<usize>) {
         let body = &self.bodies[b];
         let mut X = Pose::IDENTITY;

@@ -104,6 +104,7 @@ impl Row {
 
     /// Bounds, moved to the start value where they exclude it: FMI wants the start inside.
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn within(self, min: Option<f64>, max: Option<f64>) -> Self {
         let start = self.start.unwrap_or(0.0);
         Self {
@@ -203,6 +204,7 @@ pub(super) fn is_scalar(joint: &Joint) -> bool {
 /// Characters outside `[A-Za-z0-9_]` become `_`, and letters of other alphabets than the Latin one
 /// also their code point, because names in these would all become the same; a leading digit gets a
 /// `_` in front, so does nothing at all.
+#[cfg_attr(small, optimize(size))]
 pub(crate) fn identifier(name: &str) -> String {
     let mut identifier = String::with_capacity(name.len());
     for c in name.chars() {
@@ -227,6 +229,7 @@ pub(crate) fn identifier(name: &str) -> String {
 }
 
 /// A name in the style that the model asks for.
+#[cfg_attr(small, optimize(size))]
 pub(super) fn styled(model: &Model, name: String) -> String {
     if model.outputs.flat_names {
         name.replace(['.', '[', ','], "_").replace(']', "")
@@ -244,6 +247,7 @@ fn weight(model: &Model) -> Option<f64> {
 }
 
 impl<'m> Table<'m> {
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn new(model: &'m Model) -> Self {
         Self {
             model,
@@ -256,6 +260,7 @@ impl<'m> Table<'m> {
     /// Adds a row; `owner` says whose it is in the URDF's own names. It is not inlined, like others
     /// here, because dozens of lines call it, and all of them run once.
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn add(&mut self, name: fmt::Arguments<'_>, owner: &str, row: Row) {
         let name = styled(self.model, name.to_string());
         let value_reference =
@@ -284,6 +289,7 @@ impl<'m> Table<'m> {
 
     /// The rows from `first` on are the elements of a whole of this name and shape.
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn whole(&mut self, first: usize, name: &str, shape: &[u32], description: &str) {
         let name = styled(self.model, name.to_owned());
         for (index, row) in (0..).zip(&mut self.rows[first..]) {
@@ -374,6 +380,7 @@ impl<'m> Table<'m> {
 
     /// What the names of a tree's variables begin with: nothing for the robot itself.
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn scope(&self, root: RootId) -> String {
         let root = &self.model.roots[root.index()];
         match (root.name.is_empty(), root.kind) {
@@ -395,6 +402,7 @@ impl<'m> Table<'m> {
     }
 
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     fn of_part(&self, group: &str, body: BodyId, name: &str) -> String {
         let root = self.model.root_of(body);
         let own = &self.model.roots[root.index()].name;

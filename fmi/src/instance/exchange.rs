@@ -94,6 +94,7 @@ impl Instance {
 
     /// A derivative that is no number: the importer may try a shorter step.
     #[cold]
+    #[cfg_attr(small, optimize(size))]
     fn rate_not_finite(&self, index: usize) -> FmiError {
         let is_it = |source: &Source| matches!(source, Source::Rate(id) if id.index() == index);
         let element = self.sources.iter().position(is_it);

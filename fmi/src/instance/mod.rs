@@ -132,6 +132,7 @@ impl Instance {
     }
 
     /// Logs why `function` fails.
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn report(&self, function: &str, error: &FmiError) -> Status {
         let status = error.status();
         let category = match status {
@@ -161,6 +162,7 @@ impl Instance {
         self.phase = Phase::Error;
     }
 
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn set_debug_logging(&mut self, on: bool, names: &[String]) -> Result<(), FmiError> {
         match self.logger.select(on, names).into_iter().next() {
             None => Ok(()),
@@ -168,6 +170,7 @@ impl Instance {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn setup_experiment(
         &mut self,
         tolerance: Option<f64>,
@@ -220,6 +223,7 @@ impl Instance {
 
     /// On an error the instance stays in initialization mode, where the parameters can be
     /// corrected.
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn exit_initialization_mode(&mut self) -> Result<(), FmiError> {
         let apart = self.simulation.apart_in_group().map(|[first, other]| {
             let [(leader, at), (name, own)] = [first, other];
@@ -267,12 +271,14 @@ impl Instance {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn terminate(&mut self) {
         self.phase = Phase::Terminated;
         self.event(|| format!("terminated at {} s", self.simulation.time()));
     }
 
     /// As it was made, but for the log settings.
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn reset(&mut self) {
         self.renew();
         self.simulation.reset();
@@ -301,6 +307,7 @@ impl Instance {
         )
     }
 
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn save_into(&self, state: &mut SavedState) {
         if state.check(self.guid, self.version).is_ok() {
             self.simulation.save_into(&mut state.simulation);
@@ -311,6 +318,7 @@ impl Instance {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn restore(&mut self, state: &SavedState) -> Result<(), FmiError> {
         state.check(self.guid, self.version)?;
         if let Some(other) = state

@@ -57,6 +57,7 @@ const ONE_SIDED: Nodes = &[
 impl Instance {
     /// The derivative of each element of the unknowns along the direction that `seeds` give the
     /// elements of the knowns. Nothing of the instance changes.
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn directional_derivative(
         &mut self,
         unknowns: &In<u32>,

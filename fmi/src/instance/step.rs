@@ -262,6 +262,7 @@ impl Instance {
     }
 
     /// Says that a step is discarded, and what to do.
+    #[cfg_attr(small, optimize(size))]
     fn discard(&self, error: &dyn Display, end: f64, advice: &str) -> Status {
         let message = format!(
             "{}DoStep: {error}; the step to {end} s is discarded, the last successful time is {} s; \
@@ -281,6 +282,7 @@ impl Instance {
     }
 
     /// Debug logging of what the solver has done so far.
+    #[cfg_attr(small, optimize(size))]
     fn tell_solver(&self) {
         if self.logger.wants(Category::NonlinearSystems) {
             let counters = self.simulation.state().stepping.counters;

@@ -29,11 +29,29 @@ impl Instance {
         values: &mut Out<T>,
         from_number: impl Fn(f64) -> T,
     ) -> Result<(), FmiError> {
+        let given = values.len();
+        self.read(kind, value_references, given, &mut |index, number| {
+            values.set(index, from_number(number));
+        })
+    }
+
+    /// [`Self::get`] for values of all types: one function, and not a copy for each type of both
+    /// versions.
+    ///
+    /// - `given`: how many values there is room for
+    /// - `write`: takes the place of a value in the importer's array, and the value
+    fn read(
+        &mut self,
+        kind: Kind,
+        value_references: &In<u32>,
+        given: usize,
+        write: &mut dyn FnMut(usize, f64),
+    ) -> Result<(), FmiError> {
         let mut expected = 0;
         for value_reference in value_references.iter() {
             expected += self.readable(value_reference, kind)?.len();
         }
-        check_count(values.len(), expected)?;
+        check_count(given, expected)?;
         let mut reading = self.simulation.reading();
         let mut written = 0;
         for value_reference in value_references.iter() {
@@ -44,7 +62,7 @@ impl Instance {
                 if !number.is_finite() {
                     return Err(self.not_finite(self.layout.all_rows()[element]));
                 }
-                values.set(written, from_number(number));
+                write(written, number);
                 written += 1;
             }
         }
@@ -63,6 +81,7 @@ impl Instance {
     }
 
     #[cold]
+    #[cfg_attr(small, optimize(size))]
     fn check_required(&self, place: Place) -> Result<(), FmiError> {
         let updates = self.updates.as_ref();
         let name = self.layout.name(place);
@@ -74,6 +93,7 @@ impl Instance {
     }
 
     /// An output that is no number.
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn not_finite(&self, row: u32) -> FmiError {
         let variable = self.variables.get(row as usize);
         FmiError::NotFinite {
@@ -90,31 +110,46 @@ impl Instance {
         values: &In<T>,
         to_number: impl Fn(T) -> f64,
     ) -> Result<(), FmiError> {
+        self.write(kind, value_references, values.len(), &|index| {
+            values.at(index).map_or(f64::NAN, &to_number)
+        })
+    }
+
+    /// [`Self::set`] for values of all types, as [`Self::read`].
+    ///
+    /// - `given`: how many values there are
+    /// - `values`: the value at a place of the importer's array; NaN, which is refused, beyond it
+    fn write(
+        &mut self,
+        kind: Kind,
+        value_references: &In<u32>,
+        given: usize,
+        values: &dyn Fn(usize) -> f64,
+    ) -> Result<(), FmiError> {
         let mut expected = 0;
-        let mut given = values.iter();
+        let mut all = (0..given).map(values);
         for value_reference in value_references.iter() {
             let place = self.readable(value_reference, kind)?;
             expected += place.len();
-            if expected > values.len() {
+            if expected > given {
                 let all = value_references.iter();
                 let all = all.map(|reference| self.layout.find(reference).len());
-                return check_count(values.len(), all.sum());
+                return check_count(given, all.sum());
             }
-            for (row, value) in self.layout.rows(place).iter().zip(&mut given) {
-                self.check(*row, to_number(value))?;
+            for (row, value) in self.layout.rows(place).iter().zip(&mut all) {
+                self.check(*row, value)?;
             }
         }
-        check_count(values.len(), expected)?;
-        let mut given = values.iter();
+        check_count(given, expected)?;
+        let mut all = (0..given).map(values);
         for value_reference in value_references.iter() {
             // Read again: the importer may write to its array meanwhile, so nothing is taken for
             // granted.
             for element in self.layout.find(value_reference).elements() {
                 let row = self.layout.all_rows()[element] as usize;
-                let (Some(variable), Some(value)) = (self.variables.get(row), given.next()) else {
+                let (Some(variable), Some(number)) = (self.variables.get(row), all.next()) else {
                     break;
                 };
-                let number = to_number(value);
                 match variable.slot {
                     Slot::Input(slot) => self.simulation.set_input(slot, number),
                     Slot::Parameter(slot) => {
@@ -171,6 +206,7 @@ impl Instance {
     }
 
     /// Says once per variable that it has left its range; the value counts all the same.
+    #[cfg_attr(small, optimize(size))]
     fn note_range(&mut self, index: usize, value: f64) {
         let variable = &self.variables[index];
         let (min, max) = (
@@ -200,6 +236,7 @@ impl Instance {
     }
 
     /// fmi2SetRealInputDerivatives: nothing is set unless all of it is legal.
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn set_input_derivatives(
         &mut self,
         value_references: &In<u32>,
@@ -241,6 +278,7 @@ impl Instance {
 
     /// Derivatives of outputs, an order for each reference: nothing is written unless all of it is
     /// known.
+    #[cfg_attr(small, optimize(size))]
     pub(crate) fn output_derivatives(
         &mut self,
         value_references: &In<u32>,

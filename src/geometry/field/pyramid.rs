@@ -7,6 +7,7 @@ pub(super) struct Pyramid {
 }
 
 impl Pyramid {
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn new(counts: [usize; 2], values: Vec<f64>) -> Self {
         let mut levels = vec![(counts, values)];
         while let Some(([nx, ny], below)) = levels.last()

@@ -231,6 +231,7 @@ impl Solid {
     }
 
     /// The half-space below the plane z = 0 of its own axes.
+    #[cfg_attr(small, optimize(size))]
     pub fn half_space() -> Self {
         Self {
             core: Core::HalfSpace,
@@ -301,6 +302,7 @@ fn thickness_of(mesh: &Mesh) -> f64 {
 }
 
 /// The core of a hull with that rounding, and it; the hull itself and 0 where it has no volume.
+#[cfg_attr(small, optimize(size))]
 fn shrunk(mesh: &Mesh, r: f64) -> (Vec<Vec3>, f64) {
     let core = if r > 0.0 { moved_in(mesh, r) } else { None };
     core.map_or_else(|| (mesh.corners.clone(), 0.0), |core| (core, r))

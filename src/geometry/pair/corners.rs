@@ -15,6 +15,7 @@ pub(super) struct Corners {
 }
 
 impl Corners {
+    #[cfg_attr(small, optimize(size))]
     pub(super) fn new(list: Vec<Vec3>) -> Self {
         let block = |four: &[Vec3]| {
             let corner = |lane: usize| four.get(lane).unwrap_or(&list[0]);

@@ -32,6 +32,7 @@ impl Mesh {
         &self.loops[self.first[index]..self.first[index + 1]]
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn push(&mut self, normal: Vec3, corners: impl IntoIterator<Item = usize>) {
         if self.first.is_empty() {
             self.first.push(0);

@@ -34,6 +34,7 @@ fn turn(facets: &[Facet], from: [usize; 2], to: [usize; 2]) -> Option<f64> {
 }
 
 /// Which of the triangles at an edge belong together: their indices in `places`, each once.
+#[cfg_attr(small, optimize(size))]
 pub(super) fn partners(facets: &[Facet], places: &[[usize; 2]]) -> Vec<(usize, Option<usize>)> {
     let first = |i: usize| {
         let angles = (0..places.len()).filter_map(|j| {

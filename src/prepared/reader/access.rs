@@ -7,6 +7,7 @@ use serde::forward_to_deserialize_any;
 impl<'t> Reader<'t> {
     /// The fields of the object that begins here.
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     pub fn object(&mut self, fields: &'static [&'static str]) -> Result<Object<'_, 't>, Fault> {
         if self.peek() != Some(b'{') {
             return expected("an object, `{`");
@@ -30,6 +31,7 @@ impl<'t> Reader<'t> {
     }
 
     /// Where the values of the fields are.
+    #[cfg_attr(small, optimize(size))]
     fn index(&mut self, fields: &'static [&'static str]) -> Result<Index, Fault> {
         let mut places = vec![None; fields.len()];
         let mut first = true;
@@ -68,6 +70,7 @@ impl<'t> Reader<'t> {
 
     /// The list that begins here.
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     fn list(&mut self) -> Result<List<'_, 't>, Fault> {
         if self.peek() != Some(b'[') {
             return expected("a list, `[`");
@@ -89,6 +92,7 @@ struct List<'r, 't> {
 impl List<'_, '_> {
     /// Whether there is one more, where the reader then stands.
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     fn more(&mut self) -> Result<bool, Fault> {
         let first = std::mem::replace(&mut self.first, false);
         match self.reader.peek() {
@@ -108,6 +112,7 @@ impl<'t> SeqAccess<'t> for List<'_, 't> {
 
     /// A function for each kind of value, not for each field.
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     fn next_element_seed<T: DeserializeSeed<'t>>(
         &mut self,
         seed: T,
@@ -145,6 +150,7 @@ pub struct Object<'r, 't> {
 impl<'t> Object<'_, 't> {
     /// Goes to the value of the next field, if there is one.
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     fn find(&mut self) -> Result<bool, Fault> {
         self.in_full()?;
         self.missing = None;
@@ -178,6 +184,7 @@ impl<'t> Object<'_, 't> {
     }
 
     /// Where the value of `field` begins, if it is the next one.
+    #[cfg_attr(small, optimize(size))]
     fn follows(&mut self, field: &str) -> Result<Option<usize>, Fault> {
         let here = self.reader.at;
         let first = here == self.start + 1;
@@ -204,6 +211,7 @@ impl<'t> Object<'_, 't> {
 
     /// There must be no further field.
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     pub fn end(self) -> Result<(), Fault> {
         self.in_full()?;
         match self.index {
@@ -216,6 +224,7 @@ impl<'t> Object<'_, 't> {
     /// `fault`, or that the last field is missing.
     #[cold]
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     fn explained(&mut self, fault: Fault) -> Fault {
         match self.missing {
             Some(field) => {
@@ -247,6 +256,7 @@ impl<'t> SeqAccess<'t> for Object<'_, 't> {
 
     /// A function for each kind of value, not for each field.
     #[inline(never)]
+    #[cfg_attr(small, optimize(size))]
     fn next_element_seed<T: DeserializeSeed<'t>>(
         &mut self,
         seed: T,
@@ -353,6 +363,7 @@ impl<'t> de::Deserializer<'t> for &mut Reader<'t> {
         visitor.visit_str(&self.string()?)
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn deserialize_option<V: Visitor<'t>>(self, visitor: V) -> Result<V::Value, Fault> {
         if self.word("null") {
             visitor.visit_none()
@@ -361,6 +372,7 @@ impl<'t> de::Deserializer<'t> for &mut Reader<'t> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn deserialize_seq<V: Visitor<'t>>(self, visitor: V) -> Result<V::Value, Fault> {
         let mut list = self.list()?;
         let value = visitor.visit_seq(&mut list)?;
@@ -372,6 +384,7 @@ impl<'t> de::Deserializer<'t> for &mut Reader<'t> {
         self.deserialize_seq(visitor)
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn deserialize_struct<V: Visitor<'t>>(
         self,
         _: &'static str,
@@ -385,6 +398,7 @@ impl<'t> de::Deserializer<'t> for &mut Reader<'t> {
         }
     }
 
+    #[cfg_attr(small, optimize(size))]
     fn deserialize_enum<V: Visitor<'t>>(
         self,
         _: &'static str,
