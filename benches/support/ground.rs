@@ -67,6 +67,7 @@ pub fn object(
             ..LinkSettings::new("*")
         },
         place: None,
+        file_place: None,
     };
     Guest {
         kind: RootKind::Object,

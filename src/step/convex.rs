@@ -114,52 +114,6 @@ crate::spoil::spoil!(
     along F G loaded is_loaded forces left pushed round_off lagging pull turned growth;
 );
 
-
-/// What a solve is about.
-#[derive(Clone, Copy, Debug)]
-pub struct Problem<'a> {
-    /// The robot.
-    pub tree: &'a Tree,
-    /// Mass matrix, joint motions, velocities at the start of the step.
-    pub kin: &'a Kinematics,
-    /// `k`: at the start of the step, or at its middle.
-    pub bias: &'a [f64],
-    /// What acts.
-    pub terms: &'a Terms,
-    /// s
-    pub h: f64,
-    /// Time from where `kin` stands to the end of the step, s.
-    pub ahead: f64,
-    /// Relative accuracy of the impulses that a guess must have.
-    pub accuracy: f64,
-    /// The same after an iteration. A guess that is taken as it is repeats its error in every step,
-    /// while the rest that an iteration leaves is new each time and far below what the step's error
-    /// estimate sees: it may be coarser.
-    pub iterated: f64,
-}
-
-impl<'a> Problem<'a> {
-    /// A step of `h` seconds with the bias of `kin`.
-    #[cfg_attr(small, optimize(size))]
-    pub fn new(
-        (tree, kin): (&'a Tree, &'a Kinematics),
-        terms: &'a Terms,
-        h: f64,
-        accuracy: f64,
-    ) -> Self {
-        Self {
-            tree,
-            kin,
-            bias: &kin.bias,
-            terms,
-            h,
-            ahead: h,
-            accuracy,
-            iterated: accuracy.max((ITERATED * accuracy).min(COARSEST)),
-        }
-    }
-}
-
 impl Newton {
     /// Buffers for a tree with at most so many contacts and contact points.
     #[cfg_attr(small, optimize(size))]
