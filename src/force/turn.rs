@@ -58,7 +58,7 @@ pub fn find_turns(
     }
     let mut touches = touches.iter().peekable();
     for (index, contact) in contacts.iter().enumerate() {
-        if contact.turning == [0.0; 2] {
+        if contact.turning.iter().all(|c| *c <= 0.0) {
             continue;
         }
         let other = contact.other.filter(|other| !tree.is_driven(other.body));
@@ -138,9 +138,9 @@ impl Turn {
         }
     }
 
-    /// Sets the moments that slip for a normal force, N, and the dampers: critical for the load that
-    /// the stiffness is made for, and in an impact as if it were made for that. With the damper of
-    /// the load at rest an impact was over before friction against turning had set in.
+    /// Sets the moments that slip for a normal force, N, and the dampers: critical for the load
+    /// that the stiffness is made for, and in an impact as if it were made for that. With the
+    /// damper of the load at rest an impact was over before friction against turning had set in.
     pub fn carry(&mut self, force: f64) {
         let dampers = self.critical.map(|c| (c * self.load.max(force)).sqrt());
         [self.torsional.cap, self.rolling.cap] = self.coefficient.map(|c| c * force);

@@ -253,12 +253,12 @@ pub(super) fn compare_places(
 ) {
     let touching = |c: &CollisionDescription| {
         let (center, radius) = c.shape.ball_around();
-        Some((c.mesh.is_some(), c.X_LG.clone(), center, radius))
+        Some((c.mesh.is_some(), c.X_LG, center, radius))
     };
     let drawn = |v: &VisualDescription| {
         let (center, radius) = drawn_ball(v, description)?;
         let mesh = matches!(v.shape, VisualShape::Mesh { .. });
-        Some((mesh, v.X_LG.clone(), center, radius))
+        Some((mesh, v.X_LG, center, radius))
     };
     let mut lengths: Vec<f64> = origins(robot, scale).iter().map(|o| o.away).collect();
     lengths.extend(slides(description));

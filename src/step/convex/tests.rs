@@ -89,28 +89,7 @@ impl Case {
         let turns = contacts
             .iter()
             .enumerate()
-            .map(|(contact, c)| Turn {
-                contact,
-                body: c.body,
-                other: c.other.map(|other| other.body),
-                slot: c.slot,
-                normal: c.normal,
-                coefficient: [0.1, 0.05],
-                load: 10.0,
-                critical: [0.4, 0.1],
-                torsional: ElastoPlastic {
-                    cap: random.uniform(0.0, 4.0),
-                    stiffness: 50.0,
-                    damping: 2.0,
-                    displacement: random.uniform(-1e-2, 1e-2),
-                },
-                rolling: ElastoPlastic {
-                    cap: random.uniform(0.0, 4.0),
-                    stiffness: 80.0,
-                    damping: 1.0,
-                    displacement: across(&c.normal, random.vector(1e-2)),
-                },
-            })
+            .map(|of| random_turn(&mut random, of))
             .collect();
         let of_joint = |dof: &usize| model.bodies[model.dofs[*dof].body.index()].joint.is_some();
         let joints = (0..model.nv())
@@ -175,6 +154,31 @@ impl Case {
         problem.terms.respond(&newton.v, &newton.at, problem.h, out);
         newton.collect(&problem);
         newton.gradient.clone()
+    }
+}
+
+/// Friction against turning of a contact with its place in the list.
+fn random_turn(random: &mut Random, (contact, c): (usize, &Contact)) -> Turn {
+    Turn {
+        contact,
+        body: c.body,
+        other: c.other.map(|other| other.body),
+        slot: c.slot,
+        normal: c.normal,
+        coefficient: [0.1, 0.05],
+        torsional: ElastoPlastic {
+            cap: random.uniform(0.0, 4.0),
+            stiffness: 50.0,
+            damping: 2.0,
+            displacement: random.uniform(-1e-2, 1e-2),
+        },
+        rolling: ElastoPlastic {
+            cap: random.uniform(0.0, 4.0),
+            stiffness: 80.0,
+            damping: 1.0,
+            displacement: across(&c.normal, random.vector(1e-2)),
+        },
+        ..Turn::default()
     }
 }
 

@@ -286,10 +286,10 @@ fn a_rod_that_slides_on_has_the_friction_of_its_own_impact() {
     }
 }
 
-/// Balls that land without restitution while they spin about the vertical or roll. Truth: the moment
-/// is `c N` in the impact, too, so that it takes `c m v` of the angular momentum. Rolling, `m v_x R +
-/// I w_y` is what it is taken from. Before, the damper was that of the load at rest and the impact
-/// over before it set in: 0.3 of the loss of spin, at 1e-5, too. The weight adds 0.04 until the look.
+/// Balls that land without restitution while they spin about the vertical or roll. Truth: the
+/// moment is `c N` in the impact, too, so that it takes `c m v` of the angular momentum; rolling,
+/// that is `m v_x R + I w_y`. Before, the damper was that of the load at rest and the impact over
+/// before it set in: 0.3 of the loss of spin, at 1e-5, too. The weight adds 0.04 until the look.
 #[test]
 fn friction_against_turning_acts_in_an_impact_too() {
     let down = 2.4;
