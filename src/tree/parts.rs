@@ -331,6 +331,11 @@ impl Surface {
         }
     }
 
+    /// Whether it resists turning at all.
+    pub fn resists_turning(&self) -> bool {
+        self.turning[0] > 0.0 || self.turning[1] > 0.0
+    }
+
     /// Takes the coefficients of a surface alone.
     pub(super) fn set(&mut self, mu: f64, static_excess: f64, restitution: f64) {
         (self.mu, self.mu_at_rest) = (mu, mu * (1.0 + static_excess));
@@ -371,6 +376,12 @@ impl DryFriction {
 }
 
 impl Contacts {
+    /// What friction against turning of a link is made for, against another one if that yields.
+    pub fn turning_of(&self, link: usize, other: Option<usize>) -> Turning {
+        let own = self.turning[link];
+        other.map_or(own, |other| own.with(self.turning[other]))
+    }
+
     /// The slot of the first part of the contact of the shapes at two places, the lower one first;
     /// see [`crate::model::Model::slots`].
     #[inline]

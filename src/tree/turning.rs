@@ -1,6 +1,5 @@
 //! What resists turning where two links touch.
 
-use super::parts::{Contacts, Surface};
 use crate::tuning::TURN_DEFLECTION;
 
 /// What friction against turning at a link is made for. Its inertia is filled by
@@ -16,7 +15,7 @@ pub struct Turning {
 impl Turning {
     /// That of two bodies that turn each other: the inertia of both, reduced, and the load of the
     /// lighter one.
-    fn with(self, other: Self) -> Self {
+    pub fn with(self, other: Self) -> Self {
         Self {
             inertia: self.inertia * other.inertia / (self.inertia + other.inertia),
             load: self.load.min(other.load),
@@ -33,20 +32,5 @@ impl Turning {
             torsional.max(rolling)
         };
         0.5 * (least * self.load / (TURN_DEFLECTION * self.inertia)).sqrt()
-    }
-}
-
-impl Surface {
-    /// Whether it resists turning at all.
-    pub fn resists_turning(&self) -> bool {
-        self.turning[0] > 0.0 || self.turning[1] > 0.0
-    }
-}
-
-impl Contacts {
-    /// What friction against turning of a link is made for, against another one if that yields.
-    pub fn turning_of(&self, link: usize, other: Option<usize>) -> Turning {
-        let own = self.turning[link];
-        other.map_or(own, |other| own.with(self.turning[other]))
     }
 }
