@@ -1,6 +1,7 @@
 """A robot in an FMU, driven through FMPy by variable names."""
 
 import math
+import os
 import shutil
 from pathlib import Path
 
@@ -14,7 +15,15 @@ class Robot:
     def __init__(self, fmu: Path, *, guid=None, tolerance=None, without_resources=False, messages=None):
         folder = Path(fmu).with_suffix(".unzipped")
         if not folder.exists():
-            fmpy.extract(str(fmu), unzipdir=str(folder))
+            # Another process may be at it: the folder appears whole.
+            own = folder.with_suffix(f".{os.getpid()}.unzipped")
+            fmpy.extract(str(fmu), unzipdir=str(own))
+            try:
+                own.rename(folder)
+            except OSError:
+                shutil.rmtree(own)
+                if not folder.exists():
+                    raise
         if without_resources:
             complete, folder = folder, folder.with_suffix(".without_resources")
             shutil.copytree(complete, folder, ignore=shutil.ignore_patterns("resources"), dirs_exist_ok=True)
