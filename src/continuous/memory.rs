@@ -288,12 +288,10 @@ fn idle_turn(tree: &Tree, places: [usize; 2]) -> f64 {
 
 /// What the surfaces of the shapes at two places have together, or that at one and the ground's.
 fn surface(tree: &Tree, [a, b]: [usize; 2]) -> Surface {
-    let colliders = &tree.contact.colliders;
+    let [first, second] = [a, b].map(|place| &tree.contact.colliders[place]);
     if a == b {
-        return colliders[a].ground;
+        first.ground
+    } else {
+        tree.contact.surface_of([first, second])
     }
-    let mut both = Surface::default();
-    let own = [&colliders[a].own, &colliders[b].own];
-    both.combine(own, tree.contact.combination);
-    both
 }

@@ -11,7 +11,7 @@ use super::point::norm;
 use crate::geometry::pair::Patch;
 use crate::kinematics::Kinematics;
 use crate::spatial::Vec3;
-use crate::tree::{Surface, Tree};
+use crate::tree::Tree;
 
 /// Adds the contacts between shapes that can act within `h` seconds, after those with the ground;
 /// parameters are those of [`super::detect`].
@@ -56,8 +56,7 @@ pub(super) fn find_pairs(
             ..Contact::default()
         };
         contact.gather(points, &kin.V, h);
-        let mut surface = Surface::default();
-        surface.combine([&a.own, &b.own], tree.contact.combination);
+        let surface = tree.contact.surface_of([a, b]);
         // What bounces loses nothing in which an error of its rows would be lost, too.
         let bounces = surface.restitution > 0.0 && !part.uneven;
         // On terrain the rows of even parts are the gradient as they are, and other parts may come

@@ -376,6 +376,13 @@ impl DryFriction {
 }
 
 impl Contacts {
+    /// What the surfaces of two shapes have together.
+    pub fn surface_of(&self, [a, b]: [&TreeCollider; 2]) -> Surface {
+        let mut both = Surface::default();
+        both.combine([&a.own, &b.own], self.combination);
+        both
+    }
+
     /// What friction against turning of a link is made for, against another one if that yields.
     pub fn turning_of(&self, link: usize, other: Option<usize>) -> Turning {
         let own = self.turning[link];

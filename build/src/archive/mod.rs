@@ -269,14 +269,8 @@ type Zip = zip::ZipArchive<std::fs::File>;
 /// [`ArchiveError::Read`], [`ArchiveError::Unpack`]; [`ArchiveError::Other`] for another zip.
 fn open(path: &Path) -> Result<Zip, ArchiveError> {
     // Parts of it are read from their places, some of them again and again.
-    let file = reading::open(path).map_err(|source| ArchiveError::Read {
-        path: path.to_owned(),
-        source,
-    })?;
-    let zip = zip::ZipArchive::new(file).map_err(|source| ArchiveError::Unpack {
-        path: path.to_owned(),
-        source,
-    })?;
+    let file = reading::open(path).map_err(unread(path))?;
+    let zip = zip::ZipArchive::new(file).map_err(not_unpacked(path))?;
     if zip.index_for_name(DESCRIPTION).is_some() {
         return Ok(zip);
     }
@@ -293,6 +287,22 @@ fn open(path: &Path) -> Result<Zip, ArchiveError> {
     Err(ArchiveError::Other { path, hint })
 }
 
+/// The error of a file that cannot be read.
+fn unread(path: &Path) -> impl Fn(std::io::Error) -> ArchiveError + Copy {
+    move |source| ArchiveError::Read {
+        path: path.to_owned(),
+        source,
+    }
+}
+
+/// The error of a zip that cannot be unpacked.
+fn not_unpacked(path: &Path) -> impl Fn(zip::result::ZipError) -> ArchiveError + Copy {
+    move |source| ArchiveError::Unpack {
+        path: path.to_owned(),
+        source,
+    }
+}
+
 /// The name of an entry with the separators that the format prescribes: some programs on Windows
 /// write others.
 fn slashed(name: &str) -> String {
@@ -304,14 +314,7 @@ fn slashed(name: &str) -> String {
 /// # Errors
 /// [`ArchiveError::Read`], [`ArchiveError::Unpack`], [`ArchiveError::Other`].
 pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveError> {
-    let io = |source| ArchiveError::Read {
-        path: path.to_owned(),
-        source,
-    };
-    let unpack = |source| ArchiveError::Unpack {
-        path: path.to_owned(),
-        source,
-    };
+    let (io, unpack) = (unread(path), not_unpacked(path));
     let mut zip = open(path)?;
     // Of two entries of one name the later one is unpacked over the other.
     let is_it = |i: &usize| {
@@ -339,14 +342,7 @@ pub fn read_entry(path: &Path, name: &str) -> Result<Option<Vec<u8>>, ArchiveErr
 pub fn heads(path: &Path, parent: &str) -> Result<Vec<(String, Vec<u8>)>, ArchiveError> {
     /// Enough for the headers of libraries.
     const FIRST: u64 = 4096;
-    let io = |source| ArchiveError::Read {
-        path: path.to_owned(),
-        source,
-    };
-    let unpack = |source| ArchiveError::Unpack {
-        path: path.to_owned(),
-        source,
-    };
+    let (io, unpack) = (unread(path), not_unpacked(path));
     let mut zip = open(path)?;
     let mut found = BTreeMap::new();
     for i in 0..zip.len() {

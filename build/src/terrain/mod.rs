@@ -95,7 +95,7 @@ pub fn shape(
             HeightSource::Generated(made) => {
                 let asked = height.unwrap_or(1.0);
                 if made.form == HeightForm::Waves && made.wavelength > size[0] {
-                    let told = |length: f64| format!("{}", Digits(length));
+                    let told = |length: f64| Digits(length).to_string();
                     let message = format!(
                         "a wave of {} m is longer than its extent of {} m along x: it has no crest, and \
                          rises to {:.2} m instead of {} m",

@@ -25,9 +25,14 @@ impl Frame<'_> {
     pub fn with<'a>(&'a self, terms: &'a Terms) -> Problem<'a> {
         let [accuracy, iterated] = self.accuracy;
         Problem {
+            tree: self.tree,
+            kin: self.kin,
+            bias: &self.kin.bias,
+            terms,
+            h: self.h,
             ahead: self.ahead,
+            accuracy,
             iterated,
-            ..Problem::new((self.tree, self.kin), terms, self.h, accuracy)
         }
     }
 }
