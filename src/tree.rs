@@ -127,6 +127,7 @@ impl Tree {
                 limit_stiffness: vec![0.0; nv],
                 inertia: vec![0.0; nv],
                 weight: vec![1.0; nv],
+                components: vec![1; nv],
             },
             actuators: Actuators {
                 motors: vec![(0.0, 0.0); model.actuators.len()],

@@ -104,8 +104,7 @@ impl Closing {
             self.apart = kin.loops.widest(tree).map(|(closure, _)| closure);
             return f64::INFINITY;
         }
-        let way = |k: usize| tree.dofs.weight[k] * self.moved[k].abs();
-        tree.worked_dofs().map(way).fold(stopped, f64::max)
+        stopped.max(tree.longest(|k| self.moved[k]))
     }
 
     /// Takes the velocity out of the rows; returns the largest change, weighted, m/s.
@@ -133,8 +132,8 @@ impl Closing {
             self.closed.push(&self.forces, &mut self.change);
             for k in tree.worked_dofs() {
                 v[k] += self.change[k];
-                most = most.max(tree.dofs.weight[k] * self.change[k].abs());
             }
+            most = most.max(tree.longest(|k| self.change[k]));
         }
         most
     }

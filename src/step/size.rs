@@ -202,26 +202,16 @@ pub(super) fn grown(proposed: f64, h: f64, factor: f64) -> f64 {
     }
 }
 
-/// The largest of the weighted errors of positions and velocities after a step of `h` seconds,
-/// which `error` gives for each degree of freedom that a step works on; infinite if one is not a
-/// number.
+/// The longest of the weighted errors of positions and velocities after a step of `h` seconds,
+/// whose components `error` gives for each degree of freedom that a step works on; infinite if one
+/// is not a number.
 ///
 /// An error of a position is one of the mean velocity of the step, and counts as such. If it
 /// counted as it is, a motion in short steps, as communication points make them, could go wrong by
 /// one tolerance in each of them.
 pub(super) fn worst_error(tree: &Tree, h: f64, error: impl Fn(usize) -> (f64, f64)) -> f64 {
-    let mut worst: f64 = 0.0;
-    for k in tree.worked_dofs() {
-        let (position, velocity) = error(k);
-        let velocities = (position / h).abs().max(velocity.abs());
-        let error = tree.dofs.weight[k] * VELOCITY_WEIGHT * velocities;
-        // `f64::max` would drop a NaN.
-        if error.is_nan() || position.is_nan() || velocity.is_nan() {
-            return f64::INFINITY;
-        }
-        worst = worst.max(error);
-    }
-    worst
+    let positions = tree.longest(|k| error(k).0) / h;
+    VELOCITY_WEIGHT * positions.max(tree.longest(|k| error(k).1))
 }
 
 /// Largest rate at which the bias turns at the start or the end of a step, with their velocities,

@@ -4,6 +4,8 @@
 //! with steps of its own. What a step works on are the bodies of some of the trees: those that it
 //! moves, and the scenery, which never moves and may be met by all.
 
+use std::ops::Range;
+
 use super::parts::{Extent, Span, Tree, TreeBody, TreeCollider};
 use crate::tuning::ARTICULATED_COST;
 
@@ -105,6 +107,28 @@ impl Tree {
     /// Places in `v` that a step works on.
     pub fn worked_dofs(&self) -> impl Iterator<Item = usize> + '_ {
         self.island.spans.iter().flat_map(|span| span.dofs.clone())
+    }
+
+    /// The same, by the vectors whose components they are: what depends on all components of one
+    /// together does not depend on the direction of the world's axes.
+    pub fn worked_vectors(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        let vectors = self.worked_dofs().map(|k| k..k + self.dofs.components[k]);
+        vectors.filter(|vector| !vector.is_empty())
+    }
+
+    /// The longest of the vectors with these components, weighted; infinite if one is no number.
+    pub fn longest(&self, component: impl Fn(usize) -> f64) -> f64 {
+        let mut longest: f64 = 0.0;
+        for vector in self.worked_vectors() {
+            let weight = self.dofs.weight[vector.start];
+            let squares = vector.map(|k| component(k) * component(k)).sum::<f64>();
+            // `f64::max` would drop a NaN.
+            if squares.is_nan() {
+                return f64::INFINITY;
+            }
+            longest = longest.max(weight * squares.sqrt());
+        }
+        longest
     }
 
     /// Shapes of the trees that a step works on, with their places among all.

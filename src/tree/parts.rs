@@ -186,6 +186,9 @@ pub struct Dofs {
     /// Weight of an error, 1 at one metre or at one radian of a metre's reach; filled by
     /// [`Tree::scale`].
     pub weight: Vec<f64>,
+    /// Number of components of the vector that begins here, such as the velocity of a base; 0 at
+    /// the other components, 1 at a joint by itself; filled by [`Tree::scale`].
+    pub components: Vec<usize>,
 }
 
 /// What the actuators are made of; each list has one entry an actuator.

@@ -82,17 +82,27 @@ impl Tree {
                     })
                     .fold(0.0, f64::max)
             };
-            for c in body.column..body.column + body.columns {
+            let own = body.column..body.column + body.columns;
+            let sweep = |c: usize| body.kind.sweep(c - body.column);
+            for c in own.clone() {
                 let dof = self.dof[c];
+                let vector = || own.clone().filter(|other| sweep(*other) == sweep(c));
+                self.dofs.components[dof] = match vector().next() {
+                    Some(first) if first == c => vector().count(),
+                    _ => 0,
+                };
                 levers[dof] = lever(Some(poses[b].R.column(2).into_owned()));
-                let gyration = (inertia[dof] / subtree_mass[b].max(1e-12)).sqrt();
-                self.dofs.weight[dof] = match body.kind.sweep(c - body.column) {
+                let gyration = |moment: f64| (moment / subtree_mass[b].max(1e-12)).sqrt();
+                // Half of the trace is the moment about the point, whatever the axes are.
+                let about_point = 0.5 * vector().map(|c| inertia[self.dof[c]]).sum::<f64>();
+                self.dofs.weight[dof] = match sweep(c) {
                     Sweep::Along => 1.0,
-                    Sweep::AboutPoint if body.kind.is_base() => {
-                        self.trees[body.tree].reach.max(gyration).min(1.0)
-                    }
-                    Sweep::AboutPoint => lever(None).max(gyration).min(1.0),
-                    Sweep::AboutAxis => levers[dof].max(gyration).min(1.0),
+                    Sweep::AboutPoint if body.kind.is_base() => self.trees[body.tree]
+                        .reach
+                        .max(gyration(about_point))
+                        .min(1.0),
+                    Sweep::AboutPoint => lever(None).max(gyration(about_point)).min(1.0),
+                    Sweep::AboutAxis => levers[dof].max(gyration(inertia[dof])).min(1.0),
                 };
             }
         }

@@ -258,8 +258,16 @@ impl Stages {
         factor.solve(rows, velocity, &mut self.loops);
         if is_late {
             factor.solve(rows, &mut self.forces, &mut self.loops);
-            for (velocity, late) in velocity.iter_mut().zip(&self.forces) {
-                *velocity = velocity.abs() + late.abs();
+            // With the sign for which both do not cancel.
+            for vector in tree.worked_vectors() {
+                let along = vector
+                    .clone()
+                    .map(|k| velocity[k] * self.forces[k])
+                    .sum::<f64>();
+                let sign = 1.0_f64.copysign(along);
+                for k in vector {
+                    velocity[k] += sign * self.forces[k];
+                }
             }
         }
     }
@@ -310,16 +318,36 @@ fn add_turning(
 ) {
     for (_, body) in tree.worked_bodies() {
         for column in 0..body.columns {
-            let i = tree.dof[body.column + column];
-            let change = (end[i] - from[i]).abs();
+            let first = tree.dof[body.column + column];
+            let vector = first..first + tree.dofs.components[first];
+            if vector.is_empty() {
+                continue;
+            }
+            let change = length(vector.clone().map(|k| end[k] - from[k]));
             let along = matches!(body.kind.sweep(column), Sweep::Along);
             let turns = if along { of_lines } else { theta };
-            let off = ahead * theta * (change + turns * end[i].abs());
-            velocity[i] = velocity[i].abs().max(theta * theta * change / 24.0 + off);
+            let fast = length(vector.clone().map(|k| end[k]));
+            let off = ahead * theta * (change + turns * fast);
+            lengthen(
+                &mut velocity[vector.clone()],
+                theta * theta * change / 24.0 + off,
+            );
             if turns > 0.0 {
                 let off = turns * h * change / 12.0 + 0.5 * h * off;
-                position[i] = position[i].abs().max(off);
+                lengthen(&mut position[vector], off);
             }
         }
+    }
+}
+
+fn length(components: impl Iterator<Item = f64>) -> f64 {
+    components.map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Makes a vector at least as long as `least`; its direction does not matter.
+fn lengthen(vector: &mut [f64], least: f64) {
+    if length(vector.iter().copied()) < least {
+        vector.fill(0.0);
+        vector[0] = least;
     }
 }
