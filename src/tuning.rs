@@ -165,10 +165,9 @@ pub const ACROSS: f64 = 0.1;
 /// its restitution, too. Without it fails
 /// `c8_a_ball_rebounds_with_the_coefficient_of_restitution_at_every_speed`.
 pub const BOUNCE_SHARE: f64 = 0.1;
-/// Longest step with contact, s: a little more than 1/240 s, at which many importers communicate. A
-/// step takes from its start how a contact shares its load among
-/// its points, an error that it does not estimate. Without it fails
-/// `the_communication_step_does_not_change_the_result_beyond_the_tolerance`.
+/// Longest step with contact, s: a little more than 1/240 s, at which many importers communicate.
+/// How a contact is pressed, and what friction holds, is averaged over a step. Without it fails
+/// `a_cube_on_a_tilted_table_sticks_below_the_cone_and_slides_above`.
 pub const CONTACT_STEP: f64 = 5e-3;
 /// Share of a step after which a joint that reaches its limit, or a pd law that reaches its effort
 /// limit, ends it: one that is slower in coming there may never. At 1e9 fails

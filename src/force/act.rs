@@ -1,18 +1,43 @@
-//! Forces of a contact on its bodies.
+//! Forces of a contact on its bodies, and what its friction acts against.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::contact::{Contact, Response, normal_part};
 use super::point::{ContactPoint, PointResponse};
-use crate::spatial::{Vec3, Vec6, angular};
+use crate::spatial::{Vec3, Vec6, angular, velocity_at};
 
 impl Contact {
+    /// Velocity `u` that friction acts against, m/s, world axes.
+    #[inline]
+    pub fn sliding(&self, V: &[Vec6]) -> Vec3 {
+        self.sliding_with(&self.relative(V))
+    }
+
+    /// The same for the velocity `W` of its body against the other one.
+    #[inline]
+    pub(super) fn sliding_with(&self, W: &Vec6) -> Vec3 {
+        self.sliding_at((&self.center, self.radius), W)
+    }
+
+    /// The same about another centre and with another radius of the load.
+    #[inline]
+    pub(super) fn sliding_at(&self, (center, radius): (&Vec3, f64), W: &Vec6) -> Vec3 {
+        let (_, u) = normal_part(&self.normal, &velocity_at(W, center));
+        u + self.normal * (radius * self.normal.dot(&angular(W)))
+    }
+
     /// Force, and moment about O, of friction `x` along what `u` is along: the transpose of
     /// [`Self::sliding`].
     #[inline]
     pub fn lever(&self, x: &Vec3) -> (Vec3, Vec3) {
+        self.lever_at((&self.center, self.radius), x)
+    }
+
+    /// The same about another centre and with another radius of the load.
+    #[inline]
+    pub(super) fn lever_at(&self, (center, radius): (&Vec3, f64), x: &Vec3) -> (Vec3, Vec3) {
         let (drilling, along) = normal_part(&self.normal, x);
-        let moment = self.center.cross(&along) + self.normal * (self.radius * drilling);
+        let moment = center.cross(&along) + self.normal * (radius * drilling);
         (along, moment)
     }
 

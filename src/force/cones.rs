@@ -9,6 +9,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::contact::{Contact, Response};
+use super::gather::ContactSet;
 use super::point::{ContactPoint, PointResponse};
 use super::terms::{Responses, Terms, Velocities};
 use crate::law::ElastoPlastic;
@@ -19,6 +20,15 @@ use crate::spatial::{Vec3, Vec6};
 pub type Growth = [f64; 2];
 
 impl Terms {
+    /// Puts friction to where the normal forces of responses act.
+    pub fn center(&mut self, responses: &Responses) {
+        let ContactSet { list, points, .. } = &mut self.contacts;
+        for (contact, r) in list.iter_mut().zip(&responses.contacts) {
+            let of = &responses.points[contact.points.clone()];
+            (contact.center, contact.radius) = contact.center_under(points, (r, of));
+        }
+    }
+
     /// Sets the friction cones to the normal forces that responses over `h` seconds have.
     pub fn carry(&mut self, responses: &Responses, h: f64) {
         for (contact, response) in self.contacts.list.iter_mut().zip(&responses.contacts) {
@@ -29,10 +39,12 @@ impl Terms {
         }
     }
 
-    /// Sets the friction in responses to that at the velocities `at`, after [`Self::carry`].
-    pub fn rub(&self, at: &Velocities, h: f64, responses: &mut Responses) {
-        let contacts = self.contacts.iter().zip(&at.contacts);
+    /// Sets the friction in responses, and what it acts against, to that at the velocities `V` of
+    /// all bodies, after [`Self::center`] and [`Self::carry`].
+    pub fn rub(&self, V: &[Vec6], at: &mut Velocities, h: f64, responses: &mut Responses) {
+        let contacts = self.contacts.iter().zip(&mut at.contacts);
         for ((contact, u), response) in contacts.zip(&mut responses.contacts) {
+            *u = contact.sliding(V);
             response.friction = contact.rub(u, h);
         }
         let turns = self.turns.iter().zip(&at.turns);
@@ -42,17 +54,22 @@ impl Terms {
     }
 
     /// Adds what friction would do more over `h` seconds with the cones that belong to the normal
-    /// forces of `responses`, N·s and N·m·s about O, to `F`; tells whether there is any.
+    /// forces of `responses`, where these act, N·s and N·m·s about O, to `F`; tells whether there
+    /// is any.
     ///
-    /// - `at`: velocities of the responses
-    pub fn add_lag(&self, at: &Velocities, responses: &Responses, h: f64, F: &mut [Vec6]) -> bool {
+    /// - `V`, `at`: velocities of all bodies, and those of the responses
+    pub fn add_lag(
+        &self,
+        (V, at): (&[Vec6], &Velocities),
+        responses: &Responses,
+        h: f64,
+        F: &mut [Vec6],
+    ) -> bool {
         let mut any = false;
-        let contacts = self.contacts.iter().zip(&at.contacts);
-        for ((contact, u), response) in contacts.zip(&responses.contacts) {
-            if let Some(more) = contact.lag(u, response, h) {
-                contact.drag(&(more * -h), F);
-                any = true;
-            }
+        let points = &self.contacts.points;
+        for (contact, response) in self.contacts.iter().zip(&responses.contacts) {
+            let of = &responses.points[contact.points.clone()];
+            any |= contact.add_lag(points, V, ((response, of), h), F);
         }
         for ((turn, w), response) in self.turns.iter().zip(&at.turns).zip(&responses.turns) {
             let mut turn = *turn;
@@ -191,19 +208,33 @@ impl Contact {
         }
     }
 
-    /// Friction over `h` seconds at the velocity `u` with the cone that belongs to the normal force
-    /// of a response, minus the friction of that response, N; none where both are the same.
+    /// Adds what friction would do more with the cone that belongs to the normal force of a response
+    /// over `h` seconds, where that acts; tells whether it is anything.
     #[inline]
-    fn lag(&self, u: &Vec3, r: &Response, h: f64) -> Option<Vec3> {
-        let cap = self.mu * r.load / h;
-        let force = &r.friction.force;
+    fn add_lag(
+        &self,
+        points: &[ContactPoint],
+        V: &[Vec6],
+        ((r, of), h): ((&Response, &[PointResponse]), f64),
+        F: &mut [Vec6],
+    ) -> bool {
+        let (cap, force) = (self.mu * r.load / h, &r.friction.force);
         let sticks = !r.slips() && self.friction.cap > 0.0;
         if sticks && force.norm_squared() <= cap * cap {
-            return None;
+            return false;
         }
-        let friction = self.rubbing_under(r.load / h);
-        let more = friction.respond(self.slid(u), h).force - force;
-        (more != Vec3::zeros()).then_some(more)
+        let (center, radius) = self.center_under(points, (r, of));
+        let W = self.relative(V);
+        let u = self.sliding_at((&center, radius), &W);
+        let carried = self.rubbing_under(r.load / h);
+        let [before, after] = [*force, carried.respond(self.slid(&u), h).force].map(|f| f * -h);
+        let [(force, moment), (other, turned)] = [
+            self.lever_at((&center, radius), &after),
+            self.lever_at((&self.center, self.radius), &before),
+        ];
+        let (force, moment) = (force - other, moment - turned);
+        self.act(&force, &moment, F);
+        force != Vec3::zeros() || moment != Vec3::zeros()
     }
 
     /// By how much its load `h N Σ w_i` changes over `h` seconds, N·s, to first order, where the

@@ -202,19 +202,6 @@ impl Contact {
         })
     }
 
-    /// Velocity `u` that friction acts against, m/s, world axes.
-    #[inline]
-    pub fn sliding(&self, V: &[Vec6]) -> Vec3 {
-        self.sliding_with(&self.relative(V))
-    }
-
-    /// The same for the velocity `W` of its body against the other one.
-    #[inline]
-    pub(super) fn sliding_with(&self, W: &Vec6) -> Vec3 {
-        let (_, u) = normal_part(&self.normal, &velocity_at(W, &self.center));
-        u + self.normal * (self.radius * self.normal.dot(&angular(W)))
-    }
-
     /// Velocities of its points.
     #[inline]
     pub fn velocities<'a>(

@@ -2,9 +2,9 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::contact::{Contact, normal_part};
+use super::contact::{Contact, Response, normal_part};
 use super::pairs::Pairs;
-use super::point::{ContactPoint, norm};
+use super::point::{ContactPoint, PointResponse, norm};
 use crate::geometry::pair::MOST_PARTS;
 use crate::kinematics::Kinematics;
 use crate::model::Model;
@@ -24,20 +24,26 @@ use crate::tuning::{EVEN_DISC, EVEN_LINE, MIN_CORNERS};
 /// rectangles is right to 1 % and smooth where the corners come to stand in a line. As many
 /// corners as carry count, `1/Σ load²`, at least four, so that it does not jump where one of them
 /// leaves. A triangle has 0.46 and is given 0.54.
-fn even_share(points: &[ContactPoint], center: &Vec3, normal: &Vec3) -> f64 {
+///
+/// - `loads`: those of the points
+fn even_share(
+    (points, loads): (&[ContactPoint], impl Fn(usize) -> f64),
+    center: &Vec3,
+    normal: &Vec3,
+) -> f64 {
     if points.len() < 3 {
         return EVEN_LINE;
     }
     let (mut squares, mut whole, mut turned) = (0.0, 0.0, [0.0; 2]);
     let first = across(normal);
     let second = normal.cross(&first);
-    for p in points {
-        let apart = p.x - center;
+    for (i, p) in points.iter().enumerate() {
+        let (load, apart) = (loads(i), p.x - center);
         let (x, y) = (apart.dot(&first), apart.dot(&second));
-        squares += p.load * p.load;
-        whole += p.load * (x * x + y * y);
-        turned[0] += p.load * (x * x - y * y);
-        turned[1] += p.load * 2.0 * x * y;
+        squares += load * load;
+        whole += load * (x * x + y * y);
+        turned[0] += load * (x * x - y * y);
+        turned[1] += load * 2.0 * x * y;
     }
     let [a, b] = turned;
     let round = (whole * whole - a * a - b * b) / (whole * whole);
@@ -212,22 +218,40 @@ impl Contact {
     }
 
     /// Finds the centre of the load and its mean distance from it.
-    fn center_on_load(&mut self, points: &[ContactPoint]) {
+    pub(crate) fn center_on_load(&mut self, points: &[ContactPoint]) {
         let own = &points[self.points.clone()];
+        (self.center, self.radius) = self.center_of(own, |i| own[i].load);
+    }
+
+    /// The same of the load that it has at the end of a step; as they are where it has none.
+    pub(super) fn center_under(
+        &self,
+        points: &[ContactPoint],
+        (r, of): (&Response, &[PointResponse]),
+    ) -> (Vec3, f64) {
+        if !r.presses() {
+            return (self.center, self.radius);
+        }
+        let total: f64 = of.iter().map(|r| r.weight).sum();
+        self.center_of(&points[self.points.clone()], |i| of[i].weight / total)
+    }
+
+    /// - `loads`: shares of the load of its points `own`
+    fn center_of(&self, own: &[ContactPoint], loads: impl Fn(usize) -> f64) -> (Vec3, f64) {
         let mut center = Vec3::zeros();
-        for p in own {
-            center += p.x * p.load;
+        for (i, p) in own.iter().enumerate() {
+            center += p.x * loads(i);
         }
         let mut radius = 0.0;
-        let even = even_share(own, &center, &self.normal);
-        for p in own {
+        let even = even_share((own, &loads), &center, &self.normal);
+        for (i, p) in own.iter().enumerate() {
             let (_, apart) = normal_part(&self.normal, &(p.x - center));
-            radius += p.load * apart.norm() * even;
+            radius += loads(i) * apart.norm() * even;
             if let Some(rim) = &p.rim {
-                radius += p.load * EVEN_DISC * rim.radius * rim.flatness;
+                radius += loads(i) * EVEN_DISC * rim.radius * rim.flatness;
             }
         }
-        (self.center, self.radius) = (center, radius);
+        (center, radius)
     }
 }
 
@@ -339,7 +363,7 @@ mod tests {
             };
             let points: Vec<ContactPoint> = places.iter().map(point).collect();
             let center = points.iter().map(|p| p.x * p.load).sum();
-            even_share(&points, &center, &Vec3::z())
+            even_share((&points, |i| points[i].load), &center, &Vec3::z())
         };
         let polygon = |n: u32| {
             let corner = |i: u32| {

@@ -9,11 +9,11 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::dynamics::{crba, rnea};
-use crate::force::{ContactSet, detect, seek};
+use crate::force::{ContactPoint, ContactSet, detect, seek};
 use crate::kinematics::{advance, forward};
 use crate::model::Model;
 use crate::range::SHORTEST_FIXED_STEP;
-use crate::spatial::Vec6;
+use crate::spatial::{Vec3, Vec6};
 use crate::state::{Counters, Physical, State};
 use crate::step::attempt::Attempt;
 use crate::step::caps::still_bounces;
@@ -238,7 +238,7 @@ impl Fixed {
         if ctx.rules.parts && turn * h > WHIRL {
             return Outcome::Bad;
         }
-        implicit.full.carry(&mut here.terms, h);
+        implicit.full.carry((tree, &here.kin), &mut here.terms, h);
         let turning = turn * whole > TURN;
         let books = guards::open_books(ctx, here, from, GAIN * h / whole);
         let share = if turning { AHEAD } else { 0.5 };
@@ -264,6 +264,7 @@ impl Fixed {
             implicit
                 .full
                 .guess(&frame.with(terms), &from.v, &self.first);
+            implicit.full.carry((tree, kin), terms, h);
         }
         let cones = lag_allowed(ctx, h);
         let (outcome, _) = implicit.full.solve_with_cones(&frame, terms, cones, None);
@@ -322,15 +323,26 @@ impl Fixed {
                     point.depth = place.depth + 0.5 * h * v.along;
                 }
             }
-            (contact.center, contact.radius) = (f.center, f.radius);
             if let (Some(other), Some(then)) = (&contact.other, &f.other) {
-                // Points between shapes have no names by which they are found again and stay where
-                // they were at the start, and so does the way between the origins of both bodies.
-                // By how much that has changed, the centre is off from each of them half.
-                contact.center += (then.from - other.from) * 0.5;
+                // Points between shapes have no names by which they are found again. Their rows
+                // stay where they were at the start, and so does the way between the origins of
+                // both bodies. By how much that has changed, they are off from each of them half.
+                let own = &mut points[contact.points.clone()];
+                let moved = middle(&places[f.points.clone()]) - middle(own);
+                for point in own {
+                    point.x += moved + (then.from - other.from) * 0.5;
+                }
             }
+            contact.center_on_load(points);
         }
     }
+}
+
+/// Middle of points, from O.
+fn middle(points: &[ContactPoint]) -> Vec3 {
+    #[expect(clippy::cast_precision_loss, reason = "a small count")]
+    let count = points.len() as f64;
+    points.iter().map(|p| p.x).sum::<Vec3>() / count
 }
 
 /// Whether a contact that has restitution touches down within `h` seconds, or has done so and not

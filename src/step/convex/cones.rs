@@ -51,7 +51,7 @@ impl Newton {
                 // Those that halve what cones lag behind lead to an end by themselves.
                 carried += usize::from(lag > 0.5 * last);
                 last = lag;
-                self.carry(terms, frame.h);
+                self.carry((frame.tree, frame.kin), terms, frame.h);
             } else if let Some(outcome) = ended {
                 return (outcome, lag);
             }
@@ -59,10 +59,12 @@ impl Newton {
     }
 
     /// Sets the friction cones of `terms` to the normal forces of the responses over `h` seconds,
-    /// and the friction of these to the new cones.
-    pub fn carry(&mut self, terms: &mut Terms, h: f64) {
+    /// where these act, and the friction of the responses to the new cones.
+    pub fn carry(&mut self, (tree, kin): (&Tree, &Kinematics), terms: &mut Terms, h: f64) {
+        terms.center(&self.responses);
         terms.carry(&self.responses, h);
-        terms.rub(&self.at, h, &mut self.responses);
+        forward(tree, &kin.S, &self.v, &mut self.V);
+        terms.rub(&self.V, &mut self.at, h, &mut self.responses);
     }
 
     /// Turns the direction to the one that foresees its own friction cones, and lets the cones of
@@ -130,8 +132,7 @@ impl Newton {
         turned.copy_from_slice(pull);
         let factor = factor.unwrap_or(&self.factor);
         factor.solve((tree, &kin.loops), turned, &mut self.lagging);
-        let weighted = turned.iter().zip(&tree.dofs.weight);
-        weighted.fold(0.0, |most: f64, (v, w)| most.max(w * v.abs()))
+        tree.longest(|k| turned[k])
     }
 
     /// Adds a share of what [`Self::follow`] has found to the direction.
@@ -148,7 +149,8 @@ impl Newton {
     }
 
     /// Largest error of a velocity, weighted and to first order, rad/s, that comes from friction
-    /// whose cones belong to other normal forces than those of the solution. Friction that sticks
+    /// whose cones belong to other normal forces than those of the solution, or whose place is not
+    /// where these act. Friction that sticks
     /// outside the cone of its load would slip: what it does too much moves a mass, not a spring.
     ///
     /// - `factor`: that of the Hessian, where the solve has not needed one of its own
@@ -157,7 +159,9 @@ impl Newton {
             return 0.0;
         }
         self.clear_forces(p.tree);
-        if !p.terms.add_lag(&self.at, &self.responses, p.h, &mut self.F) {
+        forward(p.tree, &p.kin.S, &self.v, &mut self.V);
+        let at = (&self.V[..], &self.at);
+        if !p.terms.add_lag(at, &self.responses, p.h, &mut self.F) {
             return 0.0;
         }
         let factor = factor.filter(|_| !self.factored);

@@ -303,10 +303,18 @@ fn the_minimum_does_not_depend_on_the_hessian_of_the_first_iteration() {
     assert!(taken > 60, "{taken}");
 }
 
+/// The same as [`Newton::carry`], but friction acts where it does.
+fn carry(newton: &mut Newton, case: &mut Case) {
+    case.terms.carry(&newton.responses, case.h);
+    forward(&case.tree, &case.kin.S, &newton.v, &mut newton.V);
+    let (at, responses) = (&mut newton.at, &mut newton.responses);
+    case.terms.rub(&newton.V, at, case.h, responses);
+}
+
 /// Solves with friction cones that belong to their own normal forces.
 fn solve_with_own_cones(newton: &mut Newton, case: &mut Case) -> bool {
     for _ in 0..60 {
-        newton.carry(&mut case.terms, case.h);
+        carry(newton, case);
         if !newton.solve(&case.problem()).converged {
             return false;
         }
@@ -342,7 +350,7 @@ fn a_direction_that_foresees_its_cones_finds_them() {
             .collect();
         let [constant, foreseen] = [false, true].map(|foresees| {
             newton.guess(&case.problem(), &v0, &guess);
-            newton.carry(&mut case.terms, h);
+            carry(&mut newton, &mut case);
             let before = case.terms.clone();
             assert!(
                 newton

@@ -51,6 +51,7 @@ mod rims;
 mod rolling;
 mod seams;
 mod servos;
+mod sliding;
 mod springs;
 mod standing;
 mod sticking;
