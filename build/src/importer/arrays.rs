@@ -8,7 +8,7 @@ use super::library::Element;
 use super::variable::{Kind, Variable};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Elements that are listed, of all variables.
+/// Elements that are looked at, of all variables.
 const MOST: u32 = 1_000_000;
 
 /// A variable of FMI 3.
@@ -107,6 +107,8 @@ impl Arrays {
             mut variables,
             mut wholes,
         } = Listed::default();
+        // Those whose names others have count, too: they are not listed, and take as long.
+        let mut seen = 0_u32;
         for array in self.list {
             let sizes = array.shape.iter().map(|size| match size {
                 Size::Fixed(size) => Ok(*size),
@@ -116,11 +118,11 @@ impl Arrays {
             let mut sizes = shape.iter();
             let count = sizes.try_fold(1_u32, |count, size| count.checked_mul(*size));
             let count = count.unwrap_or(u32::MAX);
-            let listed = u32::try_from(elements.len()).unwrap_or(u32::MAX);
-            let simulated =
-                array.variable.kind != Kind::Text && count <= MOST.saturating_sub(listed);
+            let simulated = array.variable.kind != Kind::Text && count <= MOST - seen.min(MOST);
+            let looked = if simulated { count } else { 1 };
+            seen = seen.saturating_add(looked);
             let mut own = Vec::new();
-            for index in 0..if simulated { count } else { 1 } {
+            for index in 0..looked {
                 let name = if array.shape.is_empty() || !simulated {
                     array.variable.name.clone()
                 } else {

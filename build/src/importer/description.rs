@@ -453,6 +453,26 @@ mod tests {
         }
     }
 
+    /// Arrays of one name are listed once, and were looked at without a limit, so that 200 lines
+    /// took minutes. A million elements are looked at: of the third array none is left.
+    #[test]
+    fn elements_of_arrays_of_one_name_count_as_others() {
+        let array = |name, reference| {
+            format!(
+                "<Float64 name=\"{name}\" valueReference=\"{reference}\">\
+                 <Dimension start=\"400000\"/></Float64>"
+            )
+        };
+        let arrays = [array("a", 1), array("a", 2), array("b", 3)].concat();
+        let text = format!(
+            "<fmiModelDescription fmiVersion=\"3.0\" modelName=\"m\" instantiationToken=\"t\">\
+             <CoSimulation modelIdentifier=\"m\"/><ModelVariables>{arrays}</ModelVariables>\
+             </fmiModelDescription>"
+        );
+        let found = Description::parse(&text).expect("a description");
+        assert_eq!(found.variables.len(), 400_001);
+    }
+
     #[test]
     fn other_encodings_are_read() {
         let text = TEXT
