@@ -76,8 +76,29 @@ _OF_A_SHELL = re.compile(r"^(  tip: to pass '.*' as a value, .*|Usage: .*|For mo
 """Advice of the command that is of no use where options are those of a function."""
 
 
+_FLAG = re.compile(r"unexpected value '.*' for '(--[\w-]+)' found; no more were expected")
+_VALUE = re.compile(r"a value is required for '(--[\w-]+) <.*>' but none was supplied")
+_ONCE = re.compile(r"the argument '(--[\w-]+) <.*>' cannot be used multiple times")
+
+
+def _for_python(said: str) -> str:
+    """What the command says of wrong usage, for options that are arguments of a function."""
+    said = _OF_A_SHELL.sub("", said)
+    for form, advice in ((_FLAG, "{} is True or False"), (_VALUE, "{} takes a value, not True"),
+                         (_ONCE, "{} takes one value, not a list of them")):
+        found = form.search(said)
+        if found:
+            name = found[1].strip("-").replace("-", "_")
+            return f"{said.strip()}; {advice.format(name)}"
+    return said
+
+
 _HEAD = re.compile(r"^(note|warning|error)(?:\[(\w+)\])?: ", re.M)
 """How each of the things begins that the command says to standard error."""
+
+
+_DOUBT = "is it a run of this robot?"
+"""What a note says that a person reads, and that a program must hear of."""
 
 
 def warn(told: str) -> None:
@@ -96,7 +117,7 @@ def _warn_of(said: str) -> None:
     heads = list(_HEAD.finditer(said))
     ends = [head.start() for head in heads[1:]] + [len(said)]
     for head, end in zip(heads, ends):
-        if head[1] == "warning":
+        if head[1] == "warning" or _DOUBT in said[head.end():end]:
             warn((head[2] + ": " if head[2] else "") + said[head.end():end].strip())
 
 
@@ -115,7 +136,7 @@ def run(*arguments: str | os.PathLike[str], accept: Sequence[int] = (0,)) -> str
         # A name with a zero in it, or half of a letter, is that of no file and no option.
         raise Error(f"the command cannot be run with what it is given: {error}") from None
     if done.returncode not in accept:
-        said = _OF_A_SHELL.sub("", done.stderr) if done.returncode == _USAGE else done.stderr
+        said = _for_python(done.stderr) if done.returncode == _USAGE else done.stderr
         text = said.strip() or f"urdf2fmu ended with exit code {done.returncode}"
         raise Error(text, exit_code=done.returncode)
     _warn_of(done.stderr)
@@ -170,6 +191,8 @@ def file_name(robot: PathLike) -> str:
         raise Error(f"the name of a file is a text or a path, not {robot!r}")
     if not name:
         raise Error("the name of the robot's file is empty")
+    if "\0" in name:
+        raise Error(f"a name with a zero in it is that of no file: {name!r:.200}")
     if name.lstrip().startswith("<"):
         raise Error("a robot is given by the name of its file, not by its text: write that into a file first")
     return os.path.join(os.curdir, name) if name.startswith("-") else name
@@ -187,9 +210,32 @@ def settings(config: Settings | None) -> Iterator[list[str]]:
                 place.write_text(to_toml(config), encoding="utf-8")
             except (TypeError, ValueError) as error:
                 raise Error(f"the settings cannot be written as TOML: {error}") from None
-            yield ["-c", str(place), "--config-folder", os.getcwd()]
+            except RecursionError:
+                raise Error("the settings cannot be written as TOML: they contain themselves") from None
+            try:
+                current = os.getcwd()
+            except OSError:
+                raise Error("the current folder is gone, from which names of files in the settings count") from None
+            try:
+                yield ["-c", str(place), "--config-folder", current]
+            except Error as error:
+                said = Error(str(error).replace(str(place), _GIVEN), error.findings, error.exit_code)
+                for finding in said.findings:
+                    _name_given(finding, place)
+                raise said from None
+    elif isinstance(config, str) and ("\n" in config or "=" in config and not os.path.exists(config)):
+        raise Error("settings are given by the name of their file, or as a dict, not by their text")
     else:
         yield ["-c", file_name(config)]
+
+
+_GIVEN = "config"
+"""What settings are called that are given as a dict: the file that they are written to is gone."""
+
+
+def _name_given(finding: dict[str, Any], place: Path) -> None:
+    if finding.get("file") == str(place):
+        finding["file"] = _GIVEN
 
 
 def export(robot: PathLike, output: PathLike | None = None, *, config: Settings | None = None,
@@ -217,7 +263,21 @@ def export(robot: PathLike, output: PathLike | None = None, *, config: Settings 
             run("export", robot, "-o", file_name(target), *file, *arguments(options))
         except Error as error:
             raise _with_findings(error, robot, file, options) from None
+    if not target.exists():
+        raise Error(f"there is no {target}, though {_program()} ended without an error")
     return target
+
+
+def _program() -> str:
+    return f"the program '{command()}'" + (", which URDF2FMU names," if os.environ.get("URDF2FMU") else "")
+
+
+def _from_json(text: str) -> dict[str, Any]:
+    try:
+        found: dict[str, Any] = json.loads(text)
+    except ValueError:
+        raise Error(f"what {_program()} says is no JSON: is it urdf2fmu, of this version?") from None
+    return found
 
 
 def _without_ends(robot: Path) -> Path:
@@ -249,11 +309,15 @@ def check(robot: PathLike, *, config: Settings | None = None, **options: Option)
     """
     with settings(config) as file:
         text = run("check", file_name(robot), "--json", *file, *arguments(options), accept=(0, 1))
+        place = Path(file[1]) if isinstance(config, Mapping) else None
     if not text:
         # What is not about a robot: it cannot be read, or is another kind of file.
         with settings(config) as file:
             run("check", file_name(robot), *file, *arguments(options))
-    found: list[dict[str, Any]] = json.loads(text)["findings"]
+    found: list[dict[str, Any]] = _from_json(text)["findings"]
+    for finding in found:
+        if place is not None:
+            _name_given(finding, place)
     return found
 
 
@@ -275,5 +339,4 @@ def info(robot: PathLike, *, variables: bool = True, config: Settings | None = N
             text = run("info", file_name(robot), "--json", *more, *file, *arguments(options))
         except Error as error:
             raise _with_findings(error, robot, file, options) from None
-    found: dict[str, Any] = json.loads(text)
-    return found
+    return _from_json(text)

@@ -12,6 +12,7 @@ import tempfile
 import threading
 import weakref
 import zipfile
+import zlib
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 from xml.etree import ElementTree
@@ -57,8 +58,24 @@ def read_description(fmu: PathLike) -> ElementTree.Element:
             return ElementTree.fromstring(archive.read("modelDescription.xml"))
     except OSError as error:
         raise Error(f"cannot read '{os.fspath(fmu)}': {error.strerror or error}") from None
-    except (zipfile.BadZipFile, KeyError, ElementTree.ParseError) as error:
-        raise Error(f"'{os.fspath(fmu)}' is no FMU: {error}") from None
+    except KeyError:
+        raise Error(f"'{os.fspath(fmu)}' is no FMU: it has no modelDescription.xml at its top") from None
+    except zipfile.BadZipFile as error:
+        raise Error(f"'{os.fspath(fmu)}' is no FMU: {_no_archive(fmu, error)}") from None
+    except ElementTree.ParseError as error:
+        raise Error(f"'{os.fspath(fmu)}' is no FMU: its modelDescription.xml is no XML: {error}; {_AGAIN}") from None
+
+
+_AGAIN = "copy or download it once more, or export it again"
+
+
+def _no_archive(fmu: PathLike, error: zipfile.BadZipFile) -> str:
+    """Why a file is no zip archive, and what to do."""
+    with open(fmu, "rb") as file:
+        begin = file.read(2)
+    if not begin:
+        return f"it is empty; {_AGAIN}"
+    return f"it is cut short or damaged ({error}); {_AGAIN}" if begin == b"PK" else "an FMU is a zip archive, and this is none"
 
 
 def read_variables(root: ElementTree.Element) -> dict[str, Variable]:
@@ -135,14 +152,23 @@ class Fmu:
         self.time = times[0] if times else None
         """The reference of the time, of which FMI 3 demands a variable."""
         folder, end = _platform(self.version)
-        self._place = tempfile.mkdtemp(prefix="urdf2fmu-")
+        try:
+            self._place = tempfile.mkdtemp(prefix="urdf2fmu-")
+        except OSError as error:
+            raise Error(f"cannot make a temporary folder: {error}") from None
         remove = weakref.finalize(self, shutil.rmtree, self._place, True)  # where what follows fails
         name = f"binaries/{folder}/{element.get('modelIdentifier')}.{end}"
-        library = self._unpack(path, name)
+        try:
+            library = self._unpack(path, name)
+        except OSError as error:
+            raise Error(f"'{os.fspath(path)}' cannot be unpacked to {self._place}: {error.strerror or error}") from None
+        except (zipfile.BadZipFile, zlib.error, EOFError) as error:
+            raise Error(f"'{os.fspath(path)}' is damaged: {error}; {_AGAIN}") from None
         try:
             self.functions = ctypes.CDLL(str(library))
         except OSError as error:
-            raise Error(f"the FMU's library for {folder} cannot be loaded here: {error}") from None
+            raise Error(f"the FMU's library for {folder} cannot be loaded here: {error}; it is damaged, or lacks what "
+                        "this system has not: download or export the FMU once more") from None
         resources = Path(self._place, "resources")
         self.resources = resources.as_uri() if self.version == 2 else f"{resources}{os.sep}"
         self.instances: set[int | None] = set()
@@ -156,7 +182,7 @@ class Fmu:
             if library not in names:
                 there = sorted({PurePosixPath(n).parts[1] for n in names if n.startswith("binaries/") and n.count("/") > 1})
                 raise Error(f"the FMU has no library for this system: there is no {library}; it has: "
-                            f"{', '.join(there) or 'none'}")
+                            f"{', '.join(there) or 'none'}; export it with platform=\"{_platform(self.version)[0]}\"")
             archive.extract(library, self._place)
             for name in names:
                 if name.startswith("resources/") and not name.startswith("resources/source/"):

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from ._command import Error, Option, PathLike, Settings, arguments, export, file_name, run, settings
 from ._fmu import Variable, is_fmu, read_description, read_variables
-from ._values import by_name, numbers, one_each, output_names, start_names
+from ._values import by_name, number, numbers, one_each, output_names, start_names
 
 Table = Union[npt.NDArray[Any], Mapping[str, npt.ArrayLike]]
 """Columns by their names, `time` first: a structured array, a dict of arrays, or a pandas DataFrame, whose index may be
@@ -163,8 +163,15 @@ class Page:
         """pixels, in a notebook"""
 
     def save(self, place: PathLike) -> Path:
-        """Writes it to a file."""
-        Path(place).write_text(self.html, encoding="utf-8")
+        """Writes it to a file.
+
+        Raises:
+            Error: if it cannot be written.
+        """
+        try:
+            Path(place).write_text(self.html, encoding="utf-8")
+        except OSError as error:
+            raise Error(f"cannot write '{os.fspath(place)}': {error.strerror or error}") from None
         return Path(place)
 
     def _repr_html_(self) -> str:
@@ -192,6 +199,9 @@ def show(robot: PathLike, result: Table | None = None, *, height: int = 640, inp
     Raises:
         Error: if the robot, an option or the table is refused.
     """
+    pixels = number("the height", height)
+    if not pixels >= 1:
+        raise Error(f"the height is a number of pixels, not {height!r}")
     with _fmu(robot, config, options) as (fmu, rest), tempfile.TemporaryDirectory(prefix="urdf2fmu-") as folder:
         page = Path(folder, "run.html")
         if result is None:
@@ -205,4 +215,4 @@ def show(robot: PathLike, result: Table | None = None, *, height: int = 640, inp
             write_table(Path(folder, "run.csv"), result)
             with _table_named("the table of results", Path(folder, "run.csv")):
                 run("report", Path(folder, "run.csv"), "--model", file_name(fmu), "-o", page, *arguments(rest))
-        return Page(page.read_text(encoding="utf-8"), height)
+        return Page(page.read_text(encoding="utf-8"), int(pixels))
