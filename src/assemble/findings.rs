@@ -52,6 +52,35 @@ impl Findings {
         })
     }
 
+    /// The place of the link or joint that a message names, where its line has several: of a URDF
+    /// in one line, whatever is found would be at its start.
+    fn narrowed(&self, place: Place, message: &str) -> Place {
+        let start = self.starts.get(place.line.wrapping_sub(1));
+        let (Some(&start), true) = (start, self.file.as_ref() == Some(&place.file)) else {
+            return place;
+        };
+        let line = self.text[start..].lines().next().unwrap_or_default();
+        let tag_of = |name: &str| {
+            let named = ["\"", "'"].map(|quote| format!(" name={quote}{name}{quote}"));
+            let begins = line.match_indices('<').map(|(begin, _)| &line[begin..]);
+            let mut tags = begins.map(|tag| &tag[..tag.find('>').map_or(tag.len(), |end| end + 1)]);
+            tags.find(|tag| {
+                let part = ["<link", "<joint"].iter().any(|part| tag.starts_with(part));
+                part && named.iter().any(|named| tag.contains(named))
+            })
+        };
+        // What stands in quotation marks.
+        let Some(tag) = message.split('\'').skip(1).step_by(2).find_map(tag_of) else {
+            return place;
+        };
+        let begin = tag.as_ptr() as usize - line.as_ptr() as usize;
+        Place {
+            column: line[..begin].chars().count() + 1,
+            length: tag.chars().count(),
+            ..place
+        }
+    }
+
     fn add(
         &mut self,
         severity: Severity,
@@ -60,6 +89,7 @@ impl Findings {
         message: String,
         help: &str,
     ) {
+        let place = place.map(|place| self.narrowed(place, &message));
         self.list.push(Diagnostic {
             severity,
             code,

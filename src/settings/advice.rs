@@ -1,9 +1,10 @@
 //! What may have been meant by a key that does not exist, and by text that is no TOML.
 
-use super::keys::{self, Key, Takes};
+use super::keys::{self, Key, QUANTITIES, Takes};
 use crate::diagnostic::words::{called, nearest};
 use crate::range::number_or_ratio;
 use std::f64::consts::TAU;
+use toml::de::{DeTable, DeValue};
 
 /// How the shapes of an object are written.
 pub(super) const SHAPES: &str = "shape = { box = [0.1, 0.1, 0.1] }, { sphere = 0.1 }, \
@@ -118,6 +119,39 @@ pub(super) fn noise_of(path: &str, name: &str) -> Option<String> {
          rate, which it needs"
             .to_owned()
     })
+}
+
+/// What to write in place of an error of a sensor, which belongs to one of the quantities of its
+/// type.
+///
+/// - `sensor`: the type of the sensor and the value as they are written
+pub(super) fn error_of_sensor(path: &str, name: &str, table: &DeTable) -> Option<String> {
+    if path != "sensor[]" || !["bias", "noise", "noise_density"].contains(&name) {
+        return None;
+    }
+    let kind = table.get("type")?.get_ref().as_str()?;
+    let value = match table.get(name)?.get_ref() {
+        DeValue::Float(x) => x.as_str(),
+        DeValue::Integer(x) => x.as_str(),
+        _ => "…",
+    };
+    let own = QUANTITIES.iter().filter(|(of, _)| *of == kind);
+    let own = own.filter_map(|(_, quantity)| {
+        let key = keys::find(&format!("{path}.{quantity}.{name}"))?;
+        let value = match key.takes {
+            Takes::Number(_) => value.to_owned(),
+            _ => format!("[{value}, {value}, {value}]"),
+        };
+        let (unit, _) = key.about.split_once(',')?;
+        Some(format!("{quantity}.{name} = {value}, in {unit}"))
+    });
+    let own: Vec<String> = own.collect();
+    let rate = if name == "bias" || table.contains_key("rate") {
+        ""
+    } else {
+        "; and rate, the samples a second, such as rate = 100.0"
+    };
+    (!own.is_empty()).then(|| format!("write {}{rate}", own.join(", or ")))
 }
 
 /// What to write in place of a key that the shape of an object does not have.

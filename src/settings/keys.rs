@@ -11,6 +11,15 @@ mod world;
 
 pub use kinds::{Key, Takes};
 
+/// Keys of a sensor that say how well it measures, and the types that have them.
+pub(super) const QUANTITIES: [(&str, &str); 5] = [
+    ("imu", "angular_velocity"),
+    ("imu", "linear_acceleration"),
+    ("ft", "force"),
+    ("ft", "torque"),
+    ("ray", "distance"),
+];
+
 /// The parts of the table, in the order of a file.
 const PARTS: [&[Key]; 4] = [whole::KEYS, world::KEYS, joints::KEYS, parts::KEYS];
 

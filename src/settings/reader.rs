@@ -184,6 +184,7 @@ impl<'a> Reader<'a> {
                 let message = format!("unknown key '{text}' in {}", advice::shown(path));
                 let help = advice::noise_of(path, text)
                     .or_else(|| advice::shape_of(path, text))
+                    .or_else(|| advice::error_of_sensor(path, text, table))
                     .unwrap_or_else(|| advice::key(path, text, (&known, &unknown), is_table));
                 self.error("S102", &name.span(), message, help);
                 section.rejected.push(text.to_owned());

@@ -1,6 +1,7 @@
 //! `[[sensor]]`: what a sensor measures, where, how often and how well.
 
 use super::common::{is_rejected, pattern, patterns, required, vector, whole};
+use super::keys::QUANTITIES;
 use super::reader::Reader;
 use super::section::{Section, Value};
 use crate::pattern::Pattern;
@@ -109,15 +110,6 @@ impl Fan {
 
 /// Most rays of one sensor.
 const MOST_RAYS: u32 = 10_000;
-
-/// Keys that say how well, and the types that have them.
-const QUANTITIES: [(&str, &str); 5] = [
-    ("imu", "angular_velocity"),
-    ("imu", "linear_acceleration"),
-    ("ft", "force"),
-    ("ft", "torque"),
-    ("ray", "distance"),
-];
 
 /// Keys that not every type has, and those that have them.
 const OWN: [(&str, &[&str]); 15] = [

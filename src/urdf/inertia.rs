@@ -6,7 +6,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::checked::{CheckedInertial, CheckedRobot, LinkReference, Order, Suspect};
+use super::checked::{CheckedInertial, CheckedLink, CheckedRobot, LinkReference, Order, Suspect};
 use super::options::{ImpossibleInertia, MissingMass};
 use super::scope::Scope;
 use super::xml::Node;
@@ -246,12 +246,21 @@ pub(super) fn foretell(scope: &mut Scope, robot: &CheckedRobot, order: &Order) {
     let index: HashMap<&str, usize> = links().map(|(i, link)| (link.name, i)).collect();
     // What each link and all below it has; children come after their parents.
     let weighs = |inertial: &CheckedInertial| inertial.mass > 0.0 || inertial.density.is_some();
-    // What a link weighs that only a joint names is not known.
+    // What a link weighs that only a joint names is not known, nor what cannot be read of it.
+    let unread = |link: &CheckedLink| {
+        let mass = link
+            .node
+            .child("inertial")
+            .and_then(|own| own.child("mass"));
+        link.inertial.is_none() && mass.is_some()
+    };
     let mut shaped: Vec<bool> = links()
         .map(|(_, link)| !link.collisions.is_empty())
         .collect();
     let mut heavy: Vec<bool> = links()
-        .map(|(_, link)| !link.own_name || link.inertial.as_ref().is_some_and(weighs))
+        .map(|(_, link)| {
+            !link.own_name || unread(link) || link.inertial.as_ref().is_some_and(weighs)
+        })
         .zip(&shaped)
         .map(|(weighs, &shaped)| weighs || dense && shaped)
         .collect();

@@ -94,7 +94,8 @@ fn kind(scope: &mut Scope, node: Node) -> JointKind {
 fn link<'d>(scope: &mut Scope, node: Node<'d>, tag: &'static str) -> Option<LinkReference<'d>> {
     let Some(child) = scope.single(node, tag) else {
         let message = format!("<joint> has no <{tag}>");
-        let help = format!("add <{tag} link=\"…\"/>");
+        let meant = node.value(tag).unwrap_or("…");
+        let help = format!("add <{tag} link=\"{meant}\"/>");
         scope.problem("U017", node.tag_at(), &message, help);
         return None;
     };
@@ -236,6 +237,9 @@ fn wrong_mimics(scope: &mut Scope, joints: &[CheckedJoint]) -> Vec<usize> {
             if help.is_empty() {
                 help = of_this_side(mimic.joint, joint, joints);
             }
+            if let Some(mover) = joints.iter().find(|other| moves(other, mimic.joint)) {
+                help = format!("that is a link, which joint '{}' moves", mover.name);
+            }
             scope.problem("U046", at, &message, help);
             wrong.push(i);
             continue;
@@ -256,6 +260,11 @@ fn wrong_mimics(scope: &mut Scope, joints: &[CheckedJoint]) -> Vec<usize> {
 
 /// The joint whose name has the same prefix as this one and then `name`: copies of a hand get a
 /// prefix, and what their joints mimic may have been forgotten.
+fn moves(joint: &CheckedJoint, link: &str) -> bool {
+    let child = joint.child.as_ref();
+    child.is_some_and(|child| child.name == link)
+}
+
 fn of_this_side(name: &str, joint: &CheckedJoint, joints: &[CheckedJoint]) -> String {
     let meant = joints.iter().find(|other| {
         let prefix = other.name.strip_suffix(name);

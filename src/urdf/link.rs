@@ -315,6 +315,12 @@ fn shape<'d>(scope: &mut Scope, shape: Node<'d>) -> Option<Geometry<'d>> {
         other => {
             let message = format!("unknown shape <{name}>");
             let help = match did_you_mean(other, SHAPES) {
+                _ if other == "plane" => "the ground is the FMU's own: leave the plane out, or \
+                                          write a large <box>"
+                    .to_owned(),
+                _ if other == "ellipsoid" => {
+                    "write a <mesh> of it, such as one of a ball with three scales".to_owned()
+                }
                 help if help.is_empty() => format!("known shapes are {}", SHAPES.join(", ")),
                 help => help,
             };

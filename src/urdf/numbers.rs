@@ -1,5 +1,6 @@
 //! Words of a URDF → numbers, with what is wrong with those that are none.
 
+use crate::diagnostic::words::code;
 use std::borrow::Cow;
 
 /// Numbers beyond this are refused: squares and products of smaller ones stay finite. Limits of
@@ -55,6 +56,7 @@ pub(super) fn parse(word: &str) -> Result<f64, Unread> {
         Err(_) if word.contains(',') => {
             no_number("the decimal sign is a point, and numbers are separated by spaces")
         }
+        Err(_) if word.starts_with('&') => no_number("write out what the entity stands for"),
         Err(_) if word.contains(';') => no_number("numbers are separated by spaces"),
         Err(_) if word.to_ascii_lowercase().contains("0x") => no_number("write it in decimal"),
         Err(_) if word.contains("${") || word.contains("$(") => no_number(
@@ -70,6 +72,19 @@ pub(super) fn parse(word: &str) -> Result<f64, Unread> {
         }
         Err(_) => no_number("write a decimal number such as 0.5 or 1e-3"),
     }
+}
+
+/// Hyphens and signs that word processors write in place of a minus.
+const DASHES: [char; 6] = [
+    '\u{2010}', '\u{2011}', '\u{2012}', '\u{2013}', '\u{2014}', '\u{2212}',
+];
+
+/// How a number is written whose sign is one of a word processor.
+pub(super) fn hyphenated(word: &str) -> Option<String> {
+    let dash = word.chars().find(|c| DASHES.contains(c))?;
+    let plain = word.replace(DASHES, "-");
+    let told = || format!("its sign is {}, not a hyphen: write {plain}", code(dash));
+    parse(&plain).is_ok().then(told)
 }
 
 /// Whether letters follow a number, as in `2kg` and `30°`.

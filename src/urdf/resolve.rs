@@ -248,14 +248,6 @@ impl<'o> Resolver<'o> {
                 };
                 (candidates, advice)
             }
-            "http" | "https" => {
-                let file = rest.rsplit('/').next().unwrap_or_default();
-                let advice = format!(
-                    "nothing is downloaded: save the file beside the URDF, and write \
-                     filename=\"{file}\""
-                );
-                (Vec::new(), advice)
-            }
             _ => (
                 Vec::new(),
                 format!("'{scheme}://' is not supported: use a path or package://"),

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::numbers::{MOST_WORDS, Unread, parse, without_optenv};
+use super::numbers::{MOST_WORDS, Unread, hyphenated, parse, without_optenv};
 use super::options::{ImpossibleInertia, MissingMass};
 use super::xml::{Attribute, Node};
 use crate::diagnostic::angles;
@@ -224,6 +224,7 @@ impl<'r, 'a> Scope<'r, 'a> {
                     let message = format!("<{}> {name}: '{word}' is {what}{others}", node.name());
                     let strange =
                         strange(word, UNITS_ABOVE_ASCII).map(|told| told + ": write it in ASCII");
+                    let strange = hyphenated(word).or(strange);
                     let help = strange.unwrap_or_else(|| help.to_owned());
                     self.problem(code, attribute.at.clone(), &message, help);
                     return None;
@@ -330,6 +331,8 @@ impl<'r, 'a> Scope<'r, 'a> {
             .any(|mark| text.starts_with(mark))
         {
             "a conflict of a merge by git was left in the file: keep one side of it"
+        } else if text.starts_with('&') {
+            "write out what the entity stands for"
         } else {
             "a comment is written <!-- … -->, and ends at the first -->; all elements outside of it \
              are read"

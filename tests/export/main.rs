@@ -12,6 +12,7 @@ mod ends;
 mod export;
 mod faults;
 mod followed;
+mod forums;
 mod inertias;
 mod info;
 mod init;

@@ -5,7 +5,7 @@ use super::problem::{Lacking, Problem};
 use super::texts::Texts;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use urdf2fmu_core::diagnostic::Place;
+use urdf2fmu_core::diagnostic::{Place, nearest};
 use urdf2fmu_core::folder;
 
 /// How a property begins.
@@ -46,6 +46,34 @@ pub(super) fn advice(
         Some(Lacking::Property(name)) => (PROPERTY, name),
         _ => return None,
     };
+    if let Some(defined) = defined(texts, problem, tag, name) {
+        return Some(defined);
+    }
+    let of_property = || unprefixed(texts, name).or_else(|| nearer(texts, problem, name));
+    if let Some(told) = (tag == PROPERTY).then(of_property).flatten() {
+        return Some(told);
+    }
+    if part {
+        return None;
+    }
+    let texts = unread.all(path, texts).iter();
+    let defines = texts.filter(|(_, text)| definition(text, tag, name).is_some());
+    let files: Vec<PathBuf> = defines.map(|(file, _)| file.clone()).collect();
+    let [file] = &files[..] else {
+        let files = (!files.is_empty()).then(|| folders::listed(&files));
+        return files.map(|files| format!("include one of the files that define it:\n{files}"));
+    };
+    let folder = std::path::absolute(folder::of(path)).ok();
+    let below = folder.and_then(|folder| file.strip_prefix(folder).ok());
+    Some(format!(
+        "it is defined in a file that is not included, put before its use: \
+         <xacro:include filename=\"{}\"/>",
+        below.unwrap_or(file).display()
+    ))
+}
+
+/// Why a name that a file defines, which is read, is not known where it is used.
+fn defined(texts: &Texts, problem: &Problem, tag: &str, name: &str) -> Option<String> {
     for (file, text) in &texts.sources.read {
         let Some(at) = definition(text, tag, name) else {
             continue;
@@ -67,23 +95,44 @@ pub(super) fn advice(
             )
         });
     }
-    if part {
+    None
+}
+
+/// The parameter of a macro that is written without its prefix, so that it is none.
+fn unprefixed(texts: &Texts, name: &str) -> Option<String> {
+    let mut read = texts.sources.read.values();
+    read.find_map(|text| {
+        let mut tags = text.split("<macro").skip(1);
+        tags.find_map(|tag| {
+            let params = attribute(tag, "params")?;
+            let mut params = params.split_whitespace();
+            let has = params.any(|param| param.split(":=").next() == Some(name));
+            let own = attribute(tag, "name").filter(|_| has)?;
+            Some(format!(
+                "the macro that has it needs its prefix: write <xacro:macro name=\"{own}\" …>, \
+                 and call it by <xacro:{own} …/>"
+            ))
+        })
+    })
+}
+
+/// A property of a file that is read whose name is nearer than what was offered.
+fn nearer(texts: &Texts, problem: &Problem, name: &str) -> Option<String> {
+    let mut names: Vec<String> = Vec::new();
+    for text in texts.sources.read.values() {
+        let tags = text.split(PROPERTY).skip(1);
+        names.extend(tags.filter_map(|tag| attribute(tag, "name")));
+    }
+    let offered = problem
+        .meant
+        .as_ref()
+        .and_then(|meant| meant.split('\'').nth(1));
+    let near = nearest(name, names.iter().map(String::as_str).chain(offered))?;
+    if offered == Some(near) {
         return None;
     }
-    let texts = unread.all(path, texts).iter();
-    let defines = texts.filter(|(_, text)| definition(text, tag, name).is_some());
-    let files: Vec<PathBuf> = defines.map(|(file, _)| file.clone()).collect();
-    let [file] = &files[..] else {
-        let files = (!files.is_empty()).then(|| folders::listed(&files));
-        return files.map(|files| format!("include one of the files that define it:\n{files}"));
-    };
-    let folder = std::path::absolute(folder::of(path)).ok();
-    let below = folder.and_then(|folder| file.strip_prefix(folder).ok());
-    Some(format!(
-        "it is defined in a file that is not included, put before its use: \
-         <xacro:include filename=\"{}\"/>",
-        below.unwrap_or(file).display()
-    ))
+    let defined = defined(texts, problem, PROPERTY, near)?;
+    Some(format!("did you mean '{near}'? {defined}"))
 }
 
 /// Where a text defines a name, bytes, if it does outside of comments.

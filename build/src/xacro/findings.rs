@@ -286,7 +286,8 @@ fn finding(
                     call.join(" ")
                 )
             }
-            Some(Lacking::File(path)) => of_argument(texts, path)
+            Some(Lacking::File(path)) => of_address(path)
+                .or_else(|| of_argument(texts, path))
                 .or_else(|| of_its_name(path))
                 .unwrap_or_else(|| {
                     "put the file there, or correct the path; a relative one counts from the \
@@ -352,7 +353,16 @@ pub(super) fn unasked(arguments: &[String], texts: &Texts) -> Vec<Diagnostic> {
 /// What to do about what is wrong by the rules of xacro and Python themselves, so that no other
 /// program knows more.
 fn own(message: &str) -> Option<String> {
-    const RULES: [(&str, &str); 6] = [
+    const RULES: [(&str, &str); 9] = [
+        (
+            "needs a block for",
+            "write an element for it between the tags of the call",
+        ),
+        (
+            "$(find-pkg-share",
+            "that is of launch files: xacro writes $(find NAME)",
+        ),
+        ("is not known: there are", "write one of these"),
         ("division by zero", "correct what it is divided by"),
         (
             "neither true nor false",
@@ -374,6 +384,14 @@ fn own(message: &str) -> Option<String> {
     ];
     let rule = RULES.iter().find(|(part, _)| message.contains(part));
     rule.map(|(_, help)| (*help).to_owned())
+}
+
+/// What to write for a file that is named as meshes are.
+fn of_address(path: &Path) -> Option<String> {
+    let name = path.to_str()?;
+    let (_, inside) = name.split_once("package://")?;
+    let (package, rest) = inside.split_once('/')?;
+    Some(format!("xacro names it $(find {package})/{rest}"))
 }
 
 /// The call that sets a variable of the environment.

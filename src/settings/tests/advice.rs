@@ -249,6 +249,21 @@ fn advice_that_is_followed_leads_to_no_second_error() {
             format!("{force}force.noise = [10, 10, 10]\nrate = 100"),
         ),
         (
+            "[[sensor]]\ntype = 'imu'\nlink = 'a'\nnoise = 0.1".to_owned(),
+            &[
+                "write angular_velocity.noise = [0.1, 0.1, 0.1], in rad/s, or \
+               linear_acceleration.noise = [0.1, 0.1, 0.1], in m/s²; and rate, the samples",
+            ],
+            "[[sensor]]\ntype = 'imu'\nlink = 'a'\nangular_velocity.noise = [0.1, 0.1, 0.1]\n\
+             rate = 100.0"
+                .to_owned(),
+        ),
+        (
+            format!("{ray}rays = 3\nfov = 1\nrate = 10\nnoise = 1"),
+            &["write distance.noise = 1, in m"],
+            format!("{ray}rays = 3\nfov = 1\nrate = 10\ndistance.noise = 1"),
+        ),
+        (
             "[joint.a.limits]\nlower = 1\nupper = -1".to_owned(),
             &["exchange them"],
             "[joint.a.limits]\nlower = -1\nupper = 1".to_owned(),

@@ -57,6 +57,17 @@ pub(super) fn same_name(path: &Path) -> String {
 pub(super) fn unusual(name: &str) -> Option<String> {
     let file = name.rsplit('/').next().unwrap_or_default();
     let beside = format!("put the file beside the URDF, and write filename=\"{file}\"");
+    if let Some((package, rest)) = name.strip_prefix("$(find").and_then(|n| n.split_once(')')) {
+        let package = package.trim_start_matches("-pkg-share").trim();
+        let rest = rest.trim_start_matches('/');
+        return Some(format!(
+            "$(find …) is of xacro and of launch files: write package://{package}/{rest}"
+        ));
+    }
+    let (scheme, _) = name.split_once("://").unwrap_or_default();
+    if ["http", "https"].contains(&scheme.to_lowercase().as_str()) {
+        return Some(format!("nothing is downloaded: {beside}"));
+    }
     let address = name.strip_prefix("file://");
     let path = address
         .or_else(|| name.strip_prefix("file:"))

@@ -594,13 +594,18 @@ impl<'t> Builder<'t> {
                     value: resolved.into_owned(),
                 }),
                 Err(error) => {
+                    let mut help = "write '&' as &amp; and '<' as &lt;";
                     let message = match error {
                         EscapeError::UnterminatedEntity(_) => {
                             "not XML: '&' begins an entity, and no ';' ends it".to_owned()
                         }
+                        EscapeError::UnrecognizedEntity(_, name) => {
+                            help = "write the character itself: XML has &amp;, &lt;, &gt;, &quot;, \
+                                    &apos; and numbers such as &#160; alone";
+                            format!("not XML: there is no entity &{name};")
+                        }
                         other => format!("not XML: {other}"),
                     };
-                    let help = "write '&' as &amp; and '<' as &lt;";
                     if !self.declared {
                         report.error("U003", value.clone(), message, help);
                     }
