@@ -50,16 +50,6 @@ fn lead_to_what_loads(name: &str, cases: &[(String, &str, String)]) {
 #[test]
 fn urdfs_of_forums_load_after_one_look_at_what_is_said() {
     let plain = || robot("", "");
-    let mesh = |name: &str| {
-        let shape = format!("<geometry><mesh filename='{name}'/></geometry>");
-        robot("", &format!("<collision>{shape}</collision>"))
-    };
-    let shape = |shape: &str| {
-        robot(
-            "",
-            &format!("<collision><geometry>{shape}</geometry></collision>"),
-        )
-    };
     let mimic = |of: &str| {
         let limit = "<limit lower='-1' upper='1' effort='1' velocity='1'/>";
         plain().replace(
@@ -72,7 +62,7 @@ fn urdfs_of_forums_load_after_one_look_at_what_is_said() {
     };
     let prefixed = plain()
         .replace("</", "</u:")
-        .replace("<", "<u:")
+        .replace('<', "<u:")
         .replace("<u:/u:", "</u:");
     lead_to_what_loads(
         "r.urdf",
@@ -139,6 +129,25 @@ fn urdfs_of_forums_load_after_one_look_at_what_is_said() {
                 "add <parent link=\"base\"/>",
                 plain(),
             ),
+        ],
+    );
+}
+
+#[test]
+fn shapes_of_forums_load_after_one_look_at_what_is_said() {
+    let mesh = |name: &str| {
+        let shape = format!("<geometry><mesh filename='{name}'/></geometry>");
+        robot("", &format!("<collision>{shape}</collision>"))
+    };
+    let shape = |shape: &str| {
+        robot(
+            "",
+            &format!("<collision><geometry>{shape}</geometry></collision>"),
+        )
+    };
+    lead_to_what_loads(
+        "r.urdf",
+        &[
             (
                 mesh("$(find arm)/../meshes/t.stl"),
                 "write package://arm/../meshes/t.stl",
@@ -223,7 +232,7 @@ fn in_a_urdf_of_one_line_the_element_is_told_and_not_the_line() {
         assert_eq!(falls["column"], at + 1, "{falls}");
         assert_eq!(falls["length"], "<link name='base'>".len());
         // The same for people, also where the line is too long to show.
-        let shown = run_in(folder.path(), &["check", super::text(&path)], &[]).err;
+        let shown = run_in(folder.path(), &["check", super::text(&path)], &[]).out;
         assert!(shown.contains(&format!("r.urdf:1:{}]", at + 1)), "{shown}");
     }
 }
