@@ -53,6 +53,12 @@ impl Terms {
         }
     }
 
+    /// Whether [`Self::add_lag`] may find anything.
+    pub fn may_lag(&self, responses: &Responses, h: f64) -> bool {
+        let mut contacts = self.contacts.iter().zip(&responses.contacts);
+        !self.turns.is_empty() || contacts.any(|(contact, r)| contact.may_lag(r, h))
+    }
+
     /// Adds what friction would do more over `h` seconds with the cones that belong to the normal
     /// forces of `responses`, where these act, N·s and N·m·s about O, to `F`; tells whether there
     /// is any.
@@ -208,8 +214,17 @@ impl Contact {
         }
     }
 
-    /// Adds what friction would do more with the cone that belongs to the normal force of a response
-    /// over `h` seconds, where that acts; tells whether it is anything.
+    /// Whether friction may be another one with the cone that belongs to the normal force of a
+    /// response over `h` seconds: where it sticks within that cone it is the same.
+    #[inline]
+    fn may_lag(&self, r: &Response, h: f64) -> bool {
+        let cap = self.mu * r.load / h;
+        let sticks = !r.slips() && self.friction.cap > 0.0;
+        !(sticks && r.friction.force.norm_squared() <= cap * cap)
+    }
+
+    /// Adds what friction would do more with the cone that belongs to the normal force of a
+    /// response over `h` seconds, where that acts; tells whether it is anything.
     #[inline]
     fn add_lag(
         &self,
@@ -218,16 +233,15 @@ impl Contact {
         ((r, of), h): ((&Response, &[PointResponse]), f64),
         F: &mut [Vec6],
     ) -> bool {
-        let (cap, force) = (self.mu * r.load / h, &r.friction.force);
-        let sticks = !r.slips() && self.friction.cap > 0.0;
-        if sticks && force.norm_squared() <= cap * cap {
+        if !self.may_lag(r, h) {
             return false;
         }
         let (center, radius) = self.center_under(points, (r, of));
         let W = self.relative(V);
         let u = self.sliding_at((&center, radius), &W);
         let carried = self.rubbing_under(r.load / h);
-        let [before, after] = [*force, carried.respond(self.slid(&u), h).force].map(|f| f * -h);
+        let [before, after] =
+            [r.friction.force, carried.respond(self.slid(&u), h).force].map(|f| f * -h);
         let [(force, moment), (other, turned)] = [
             self.lever_at((&center, radius), &after),
             self.lever_at((&self.center, self.radius), &before),

@@ -104,7 +104,7 @@ impl Closing {
             self.apart = kin.loops.widest(tree).map(|(closure, _)| closure);
             return f64::INFINITY;
         }
-        stopped.max(tree.longest(|k| self.moved[k]))
+        stopped.max(tree.longest(|k| [self.moved[k]]))
     }
 
     /// Takes the velocity out of the rows; returns the largest change, weighted, m/s.
@@ -133,7 +133,7 @@ impl Closing {
             for k in tree.worked_dofs() {
                 v[k] += self.change[k];
             }
-            most = most.max(tree.longest(|k| self.change[k]));
+            most = most.max(tree.longest(|k| [self.change[k]]));
         }
         most
     }

@@ -264,7 +264,7 @@ impl Fixed {
             implicit
                 .full
                 .guess(&frame.with(terms), &from.v, &self.first);
-            implicit.full.carry((tree, kin), terms, h);
+            implicit.full.carry_here(terms, h);
         }
         let cones = lag_allowed(ctx, h);
         let (outcome, _) = implicit.full.solve_with_cones(&frame, terms, cones, None);

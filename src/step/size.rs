@@ -210,8 +210,11 @@ pub(super) fn grown(proposed: f64, h: f64, factor: f64) -> f64 {
 /// counted as it is, a motion in short steps, as communication points make them, could go wrong by
 /// one tolerance in each of them.
 pub(super) fn worst_error(tree: &Tree, h: f64, error: impl Fn(usize) -> (f64, f64)) -> f64 {
-    let positions = tree.longest(|k| error(k).0) / h;
-    VELOCITY_WEIGHT * positions.max(tree.longest(|k| error(k).1))
+    let velocities = |k: usize| {
+        let (position, velocity) = error(k);
+        [position / h, velocity]
+    };
+    VELOCITY_WEIGHT * tree.longest(velocities)
 }
 
 /// Largest rate at which the bias turns at the start or the end of a step, with their velocities,

@@ -444,7 +444,7 @@ impl Stages {
             accuracy: [accuracy, fixed.unwrap_or(coarser(accuracy))],
         };
         solved.guess(&frame.with(terms), &self.from, &self.guess);
-        solved.carry((tree, kin), terms, eta);
+        solved.carry_here(terms, eta);
         let shared = before
             .and_then(|(first, contacts)| first.factor_for(contacts, solved, &frame.with(terms)));
         let cones = lag_allowed(ctx, eta / GAMMA);

@@ -116,19 +116,27 @@ impl Tree {
         vectors.filter(|vector| !vector.is_empty())
     }
 
-    /// The longest of the vectors with these components, weighted; infinite if one is no number.
-    pub fn longest(&self, component: impl Fn(usize) -> f64) -> f64 {
+    /// The longest of the vectors with these components, of several fields of them, weighted;
+    /// infinite if one is no number.
+    pub fn longest<const N: usize>(&self, components: impl Fn(usize) -> [f64; N]) -> f64 {
         let mut longest: f64 = 0.0;
         for vector in self.worked_vectors() {
             let weight = self.dofs.weight[vector.start];
-            let squares = vector.map(|k| component(k) * component(k)).sum::<f64>();
-            // `f64::max` would drop a NaN.
-            if squares.is_nan() {
-                return f64::INFINITY;
+            let mut squares = [0.0; N];
+            for k in vector {
+                for (sum, x) in squares.iter_mut().zip(components(k)) {
+                    *sum += x * x;
+                }
             }
-            longest = longest.max(weight * squares.sqrt());
+            for sum in squares {
+                // `f64::max` would drop a NaN.
+                if sum.is_nan() {
+                    return f64::INFINITY;
+                }
+                longest = longest.max(weight * weight * sum);
+            }
         }
-        longest
+        longest.sqrt()
     }
 
     /// Shapes of the trees that a step works on, with their places among all.

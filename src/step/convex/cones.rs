@@ -51,7 +51,7 @@ impl Newton {
                 // Those that halve what cones lag behind lead to an end by themselves.
                 carried += usize::from(lag > 0.5 * last);
                 last = lag;
-                self.carry((frame.tree, frame.kin), terms, frame.h);
+                self.carry_here(terms, frame.h);
             } else if let Some(outcome) = ended {
                 return (outcome, lag);
             }
@@ -61,9 +61,14 @@ impl Newton {
     /// Sets the friction cones of `terms` to the normal forces of the responses over `h` seconds,
     /// where these act, and the friction of the responses to the new cones.
     pub fn carry(&mut self, (tree, kin): (&Tree, &Kinematics), terms: &mut Terms, h: f64) {
+        forward(tree, &kin.S, &self.v, &mut self.V);
+        self.carry_here(terms, h);
+    }
+
+    /// The same where the velocities of all bodies are known: of a guess, and after [`Self::lag`].
+    pub fn carry_here(&mut self, terms: &mut Terms, h: f64) {
         terms.center(&self.responses);
         terms.carry(&self.responses, h);
-        forward(tree, &kin.S, &self.v, &mut self.V);
         terms.rub(&self.V, &mut self.at, h, &mut self.responses);
     }
 
@@ -132,7 +137,7 @@ impl Newton {
         turned.copy_from_slice(pull);
         let factor = factor.unwrap_or(&self.factor);
         factor.solve((tree, &kin.loops), turned, &mut self.lagging);
-        tree.longest(|k| turned[k])
+        tree.longest(|k| [turned[k]])
     }
 
     /// Adds a share of what [`Self::follow`] has found to the direction.
@@ -155,7 +160,7 @@ impl Newton {
     ///
     /// - `factor`: that of the Hessian, where the solve has not needed one of its own
     pub fn lag(&mut self, p: &Problem, factor: Option<&Factor>) -> f64 {
-        if p.terms.contacts.is_empty() {
+        if !p.terms.may_lag(&self.responses, p.h) {
             return 0.0;
         }
         self.clear_forces(p.tree);

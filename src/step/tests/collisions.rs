@@ -102,8 +102,8 @@ fn changes(model: Model, time: f64, tolerance: f64) -> (f64, f64, f64) {
 /// those of the points, and not the gradient of the depth, made up to 6e-3 of the energy at any
 /// tolerance; steps that a bounce began in unnoticed lost up to 0.2 of it, and up to 9e-3 of the
 /// angular momentum in fixed steps. One pair of hulls gains 6e-4 there. A light hull that a
-/// cylinder's rim spins up to 100 rad/s loses most: 7.7, 7.3, 1.8, 1.5, 0.2 % at tolerances of 1e-2,
-/// 1e-3, 1e-4, 1e-5, 1e-6; all others lose less than 1.5 % at 1e-3.
+/// cylinder's rim spins up to 100 rad/s loses most: 7.7, 7.3, 1.8, 1.5, 0.2 % at tolerances of
+/// 1e-2, 1e-3, 1e-4, 1e-5, 1e-6; all others lose less than 1.5 % at 1e-3.
 #[test]
 fn bodies_without_losses_make_no_energy_whatever_they_meet_with() {
     let kinds = ["box", "capsule", "cylinder", "hull", "ball"];
