@@ -137,6 +137,7 @@ impl Tree {
         let frames = tree.add_bodies(model, parameters);
         tree.add_inertia(model, parameters, &frames);
         tree.find_spinning();
+        tree.find_vectors();
         tree.add_closures(model, &frames);
         tree.add_colliders(model, &frames, known);
         tree.contact.scenery = tree.scenery();

@@ -229,10 +229,11 @@ impl Contact {
         points: &[ContactPoint],
         (r, of): (&Response, &[PointResponse]),
     ) -> (Vec3, f64) {
-        if !r.presses() {
+        let total: f64 = of.iter().map(|r| r.weight).sum();
+        // Depths of round-off may press without having shares.
+        if !r.presses() || total <= 0.0 {
             return (self.center, self.radius);
         }
-        let total: f64 = of.iter().map(|r| r.weight).sum();
         self.center_of(&points[self.points.clone()], |i| of[i].weight / total)
     }
 

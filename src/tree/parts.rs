@@ -187,7 +187,7 @@ pub struct Dofs {
     /// [`Tree::scale`].
     pub weight: Vec<f64>,
     /// Number of components of the vector that begins here, such as the velocity of a base; 0 at
-    /// the other components, 1 at a joint by itself; filled by [`Tree::scale`].
+    /// the other components, 1 at a joint by itself; filled by [`Tree::new`].
     pub components: Vec<usize>,
 }
 

@@ -11,6 +11,21 @@ use crate::spatial::{Pose, Vec3};
 use crate::tuning::{LIMIT_DEFLECTION, LIMIT_LOAD, OVERSPEED, REFERENCE_GRAVITY, SPEED_RELAXATION};
 
 impl Tree {
+    /// Finds which components of velocities are those of one vector.
+    pub(super) fn find_vectors(&mut self) {
+        for body in &self.bodies {
+            let own = 0..body.columns;
+            for column in own.clone() {
+                let sweep = body.kind.sweep(column);
+                let mut vector = own.clone().filter(|&other| body.kind.sweep(other) == sweep);
+                self.dofs.components[self.dof[body.column + column]] = match vector.next() {
+                    Some(first) if first == column => 1 + vector.count(),
+                    _ => 0,
+                };
+            }
+        }
+    }
+
     /// What the limit of a joint is made for at least, N·m or N.
     #[inline]
     pub fn limit_load(&self, dof: usize) -> f64 {
@@ -86,15 +101,11 @@ impl Tree {
             let sweep = |c: usize| body.kind.sweep(c - body.column);
             for c in own.clone() {
                 let dof = self.dof[c];
-                let vector = || own.clone().filter(|other| sweep(*other) == sweep(c));
-                self.dofs.components[dof] = match vector().next() {
-                    Some(first) if first == c => vector().count(),
-                    _ => 0,
-                };
                 levers[dof] = lever(Some(poses[b].R.column(2).into_owned()));
                 let gyration = |moment: f64| (moment / subtree_mass[b].max(1e-12)).sqrt();
                 // Half of the trace is the moment about the point, whatever the axes are.
-                let about_point = 0.5 * vector().map(|c| inertia[self.dof[c]]).sum::<f64>();
+                let vector = own.clone().filter(|other| sweep(*other) == sweep(c));
+                let about_point = 0.5 * vector.map(|c| inertia[self.dof[c]]).sum::<f64>();
                 self.dofs.weight[dof] = match sweep(c) {
                     Sweep::Along => 1.0,
                     Sweep::AboutPoint if body.kind.is_base() => self.trees[body.tree]

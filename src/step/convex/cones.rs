@@ -49,7 +49,8 @@ impl Newton {
             changed = lag > bound && carried < MAX_CARRIES;
             if changed {
                 // Those that halve what cones lag behind lead to an end by themselves.
-                carried += usize::from(lag > 0.5 * last);
+                let halves = lag < 0.5 * last;
+                carried += usize::from(!halves);
                 last = lag;
                 self.carry_here(terms, frame.h);
             } else if let Some(outcome) = ended {
