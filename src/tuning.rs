@@ -383,11 +383,6 @@ pub const LIMIT_LOAD: f64 = 100.0;
 /// importers measure errors by it. At 1 fails
 /// `test_r2d2_drives_as_in_co_simulation_at_any_tolerance_near_by`.
 pub const SLIP_NOMINAL: f64 = 0.3;
-/// Model Exchange alone: nominal value of velocities, m/s and rad/s. What has landed leaves the
-/// ground at `1/D`, some 0.02 m/s, and nothing pushes what is faster: an importer at 1e-3 has to
-/// tell on which side of this it is. At 0.1 CVODE gives up on more robots at 1e-5, see docs/fmi.md.
-/// At 1 fails `test_what_lands_at_a_loose_tolerance_stays_on_the_ground`.
-pub const SPEED_NOMINAL: f64 = 0.5;
 /// Share by which the joint's effort limit drives it beyond its enforced speed limit. At 0.5 fails
 /// `an_enforced_velocity_limit_is_exceeded_by_one_percent_under_the_effort_limit`.
 pub const OVERSPEED: f64 = 0.01;

@@ -6,7 +6,6 @@ use crate::slots::OutputSlot;
 use crate::spatial::Vec3;
 use crate::state::Physical;
 use crate::tree::{BaseFrame, Tree};
-use crate::tuning::SPEED_NOMINAL;
 
 /// A continuous state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -169,9 +168,8 @@ impl States {
     fn add(&mut self, place: Place, output: OutputSlot) {
         // Importers scale their tolerance with it. A centimetre of height decides whether
         // something touches.
-        let nominal = match (place, output) {
-            (_, OutputSlot::BasePosition(_, 2)) => 0.01,
-            (Place::Velocity(_), _) => SPEED_NOMINAL,
+        let nominal = match output {
+            OutputSlot::BasePosition(_, 2) => 0.01,
             _ => 1.0,
         };
         match place {

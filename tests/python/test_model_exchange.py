@@ -105,24 +105,6 @@ def test_what_has_landed_stays_on_the_ground(file, pybullet_data, export):
         assert off < 1e-3, (drop, off)
 
 
-@pytest.mark.parametrize("file", ["sphere_small.urdf", "cube_small.urdf", "soccerball.urdf"])
-def test_what_lands_at_a_loose_tolerance_stays_on_the_ground(file, pybullet_data, export):
-    """The same at 1e-3: drops of 5 to 300 mm are within 5 mm of co-simulation at 1e-5 all the time. Where velocities had
-    a nominal value of 1 m/s, CVODE lost count of whether the ground still pushed what it had stopped: 7 of 28 balls were
-    off, one of them flew 44 m high."""
-    fmu = export(pybullet_data / file, "", "--interface", "both")
-    description = fmpy.read_model_description(str(fmu))
-    height = float(next(v.start for v in description.modelVariables if v.name == "initial.base.position.z"))
-    names = ["base.position.x", "base.position.y", "base.position.z"]
-    for drop in np.linspace(0.005, 0.3, 28):
-        start = {"initial.base.position.z": height + drop}
-        found = run(fmu, "ModelExchange", 1e-3, stop_time=1, start_values=start, output=names, record_events=False)
-        truth = fmpy.simulate_fmu(str(fmu), fmi_type="CoSimulation", stop_time=1, output_interval=1 / 240, output=names,
-                                  start_values={**start, "solver.tolerance": 1e-5})
-        off = max(np.abs(found[name] - truth[name]).max() for name in names)
-        assert off < 5e-3, (drop, off)
-
-
 FLOOR = """solid floor
 facet normal 0 0 1
 outer loop
