@@ -238,7 +238,6 @@ impl Fixed {
         if ctx.rules.parts && turn * h > WHIRL {
             return Outcome::Bad;
         }
-        implicit.full.carry((tree, &here.kin), &mut here.terms, h);
         let turning = turn * whole > TURN;
         let books = guards::open_books(ctx, here, from, GAIN * h / whole);
         let share = if turning { AHEAD } else { 0.5 };
@@ -265,6 +264,8 @@ impl Fixed {
                 .full
                 .guess(&frame.with(terms), &from.v, &self.first);
             implicit.full.carry_here(terms, h);
+        } else {
+            implicit.full.carry((tree, kin), terms, h);
         }
         let cones = lag_allowed(ctx, h);
         let (outcome, _) = implicit.full.solve_with_cones(&frame, terms, cones, None);

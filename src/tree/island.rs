@@ -4,10 +4,9 @@
 //! with steps of its own. What a step works on are the bodies of some of the trees: those that it
 //! moves, and the scenery, which never moves and may be met by all.
 
-use std::ops::Range;
-
 use super::parts::{Extent, Span, Tree, TreeBody, TreeCollider};
 use crate::tuning::ARTICULATED_COST;
+use std::ops::Range;
 
 impl Tree {
     /// Takes the trees that `takes` names and the scenery, until others are named. Allocates

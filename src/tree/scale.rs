@@ -1,7 +1,7 @@
 //! Quantities that follow from the robot in its initial position: stiffness of contacts, limits and
 //! motors, error weights.
 
-use super::parts::Tree;
+use super::parts::{Tree, TreeBody};
 use super::within;
 use crate::joint::Sweep;
 use crate::law::motor_constants;
@@ -14,11 +14,9 @@ impl Tree {
     /// Finds which components of velocities are those of one vector.
     pub(super) fn find_vectors(&mut self) {
         for body in &self.bodies {
-            let own = 0..body.columns;
-            for column in own.clone() {
-                let sweep = body.kind.sweep(column);
-                let mut vector = own.clone().filter(|&other| body.kind.sweep(other) == sweep);
-                self.dofs.components[self.dof[body.column + column]] = match vector.next() {
+            for column in body.column..body.column + body.columns {
+                let mut vector = vector_of(body, column);
+                self.dofs.components[self.dof[column]] = match vector.next() {
                     Some(first) if first == column => 1 + vector.count(),
                     _ => 0,
                 };
@@ -97,23 +95,26 @@ impl Tree {
                     })
                     .fold(0.0, f64::max)
             };
-            let own = body.column..body.column + body.columns;
-            let sweep = |c: usize| body.kind.sweep(c - body.column);
-            for c in own.clone() {
+            let reaching = |far: f64, moment: f64| {
+                let gyration = (moment / subtree_mass[b].max(1e-12)).sqrt();
+                far.max(gyration).min(1.0)
+            };
+            for c in body.column..body.column + body.columns {
                 let dof = self.dof[c];
                 levers[dof] = lever(Some(poses[b].R.column(2).into_owned()));
-                let gyration = |moment: f64| (moment / subtree_mass[b].max(1e-12)).sqrt();
-                // Half of the trace is the moment about the point, whatever the axes are.
-                let vector = own.clone().filter(|other| sweep(*other) == sweep(c));
-                let about_point = 0.5 * vector.map(|c| inertia[self.dof[c]]).sum::<f64>();
-                self.dofs.weight[dof] = match sweep(c) {
+                self.dofs.weight[dof] = match body.kind.sweep(c - body.column) {
                     Sweep::Along => 1.0,
-                    Sweep::AboutPoint if body.kind.is_base() => self.trees[body.tree]
-                        .reach
-                        .max(gyration(about_point))
-                        .min(1.0),
-                    Sweep::AboutPoint => lever(None).max(gyration(about_point)).min(1.0),
-                    Sweep::AboutAxis => levers[dof].max(gyration(inertia[dof])).min(1.0),
+                    Sweep::AboutPoint => {
+                        let far = if body.kind.is_base() {
+                            self.trees[body.tree].reach
+                        } else {
+                            lever(None)
+                        };
+                        // Half of the trace is the moment about the point, whatever the axes are.
+                        let diagonal = vector_of(body, c).map(|c| inertia[self.dof[c]]);
+                        reaching(far, 0.5 * diagonal.sum::<f64>())
+                    }
+                    Sweep::AboutAxis => reaching(levers[dof], inertia[dof]),
                 };
             }
         }
@@ -140,4 +141,11 @@ impl Tree {
             }
         }
     }
+}
+
+/// Columns whose velocities are the components of the vector that the one of `column` belongs to.
+fn vector_of(body: &TreeBody, column: usize) -> impl Iterator<Item = usize> + use<> {
+    let (kind, first) = (body.kind, body.column);
+    let sweep = kind.sweep(column - first);
+    (first..first + body.columns).filter(move |other| kind.sweep(other - first) == sweep)
 }

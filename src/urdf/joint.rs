@@ -258,13 +258,15 @@ fn wrong_mimics(scope: &mut Scope, joints: &[CheckedJoint]) -> Vec<usize> {
     wrong
 }
 
-/// The joint whose name has the same prefix as this one and then `name`: copies of a hand get a
-/// prefix, and what their joints mimic may have been forgotten.
+/// Whether a link is the child of a joint.
 fn moves(joint: &CheckedJoint, link: &str) -> bool {
     let child = joint.child.as_ref();
     child.is_some_and(|child| child.name == link)
 }
 
+/// What to do where a joint `joint` mimics `name`, which is none: the joint that is meant has a
+/// prefix in front of this name, which that of `joint` begins with. Copies of a hand get one, and
+/// what their joints mimic may have been forgotten.
 fn of_this_side(name: &str, joint: &CheckedJoint, joints: &[CheckedJoint]) -> String {
     let meant = joints.iter().find(|other| {
         let prefix = other.name.strip_suffix(name);

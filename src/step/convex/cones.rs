@@ -156,8 +156,8 @@ impl Newton {
 
     /// Largest error of a velocity, weighted and to first order, rad/s, that comes from friction
     /// whose cones belong to other normal forces than those of the solution, or whose place is not
-    /// where these act. Friction that sticks
-    /// outside the cone of its load would slip: what it does too much moves a mass, not a spring.
+    /// where these act. Friction that sticks outside the cone of its load would slip: what it does
+    /// too much moves a mass, not a spring.
     ///
     /// - `factor`: that of the Hessian, where the solve has not needed one of its own
     pub fn lag(&mut self, p: &Problem, factor: Option<&Factor>) -> f64 {
