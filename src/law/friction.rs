@@ -5,7 +5,8 @@
 //!
 //! 1. Spring and damper together would give `y = k ς + (k h + d) u`.
 //! 2. The force is `F = y` while `|y| ≤ F̄` (the element sticks), else `F̄ ŷ` with `ŷ = y/|y|` (it
-//!    slips along `ŷ`).
+//!    slips along `ŷ`). Of a face that slides and spins it is the nearest force to `y` that its
+//!    points can bear together, and the slip is along `ŝ = (y − F)/|y − F|`, see [`super::limit`].
 //! 3. The displacement after the step is `(F − d u)/k`, at which the spring alone gives what the
 //!    damper leaves of `F`. Along the slip it may only approach that value, see
 //!    `ElastoPlastic::slipped`.
@@ -20,6 +21,7 @@
 //! Source: Castro et al. 2022 (the force is the gradient of the Moreau envelope of Coulomb's
 //! dissipation); Armstrong-Hélouvry, Dupont & Canudas de Wit 1994 for the Stribeck curve.
 
+use super::limit::{Limit, Radial};
 use crate::spatial::Vec3;
 use crate::tuning::ROUND_OFF;
 use std::ops::{Add, Div, Mul, Sub};
@@ -40,10 +42,6 @@ pub trait Vector:
     /// instead of the latter along a line, which has no directions but its own. None for a vector
     /// that is not longer.
     fn beyond(&self, length: f64) -> Option<(Self, f64)>;
-
-    /// The vector, shortened to `length` where it is longer.
-    #[must_use]
-    fn clip(self, length: f64) -> Self;
 }
 
 impl Vector for f64 {
@@ -59,11 +57,6 @@ impl Vector for f64 {
         } else {
             Some((self.signum(), 0.0))
         }
-    }
-
-    #[inline]
-    fn clip(self, length: f64) -> Self {
-        self.clamp(-length, length)
     }
 }
 
@@ -83,22 +76,12 @@ impl Vector for Vec3 {
             Some((self * inverse, inverse))
         }
     }
-
-    #[inline]
-    fn clip(self, length: f64) -> Self {
-        let squared = self.norm_squared();
-        if squared > length * length {
-            self * (length / squared.sqrt())
-        } else {
-            self
-        }
-    }
 }
 
 /// A spring–damper with a capped force. Units are those of a force (N, or N·m about an axis) and of
 /// a displacement (m or rad).
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ElastoPlastic<X> {
+pub struct ElastoPlastic<X, L = Radial> {
     /// Force that slips, N or N·m; may be infinite; 0: the element does nothing.
     pub cap: f64,
     /// Stiffness `k`, N/m or N·m/rad.
@@ -107,6 +90,8 @@ pub struct ElastoPlastic<X> {
     pub damping: f64,
     /// Stored displacement `ς` at the start of the step, m or rad.
     pub displacement: X,
+    /// Which forces it can bear.
+    pub limit: L,
 }
 
 /// What an elasto-plastic element gives for a velocity.
@@ -118,9 +103,13 @@ pub struct Resistance<X> {
     pub slope: f64,
     /// Direction in which the element slips and the force does not change; zero while it sticks.
     pub slip: X,
+    /// What the derivative is more than that along one direction: it times itself is what is added.
+    pub ridge: X,
+    /// Derivative of the force with the cap.
+    pub growth: X,
 }
 
-impl<X: Vector> ElastoPlastic<X> {
+impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
     /// Resistance to the relative velocity `u` at the end of a step of `h` seconds.
     #[inline]
     pub fn respond(&self, u: X, h: f64) -> Resistance<X> {
@@ -129,16 +118,18 @@ impl<X: Vector> ElastoPlastic<X> {
         }
         let b = self.stiffness * h + self.damping;
         let y = self.displacement * self.stiffness + u * b;
-        match y.beyond(self.cap) {
+        match self.limit.cut(y, self.cap) {
             None => Resistance {
                 force: y,
                 slope: b,
-                slip: X::default(),
+                ..Resistance::default()
             },
-            Some((slip, inverse)) => Resistance {
-                force: slip * self.cap,
-                slope: b * self.cap * inverse,
-                slip,
+            Some(cut) => Resistance {
+                force: cut.force,
+                slope: b * cut.slope,
+                slip: cut.slip,
+                ridge: cut.ridge * b.sqrt(),
+                growth: cut.growth,
             },
         }
     }
@@ -153,7 +144,7 @@ impl<X: Vector> ElastoPlastic<X> {
         let settled = (force - u * self.damping) / self.stiffness;
         let (before, after) = (slip.dot(&self.displacement), slip.dot(&settled));
         let next = settled + slip * (self.slipped(before, after, h) - after);
-        next.clip(self.cap / self.stiffness)
+        self.clipped(next)
     }
 
     /// Share of the relative velocity `u` at the end of a step of `h` seconds that the spring does
@@ -162,11 +153,11 @@ impl<X: Vector> ElastoPlastic<X> {
     #[inline]
     pub fn sliding(&self, u: X, wound: f64, h: f64) -> f64 {
         let speed = u.dot(&u).sqrt();
-        let slip = self.respond(u, h).slip;
+        let Resistance { force, slip, .. } = self.respond(u, h);
         if slip.dot(&slip) <= 0.0 || speed <= 0.0 {
             return 0.0;
         }
-        let left = (self.cap - self.stiffness * slip.dot(&self.displacement)).max(0.0);
+        let left = (slip.dot(&force) - self.stiffness * slip.dot(&self.displacement)).max(0.0);
         let wound = left.min(wound * self.damping) / (self.damping + h * self.stiffness);
         (1.0 - wound / speed).max(0.0)
     }
@@ -213,12 +204,11 @@ impl<X: Vector> ElastoPlastic<X> {
     /// A displacement, cut down to what the cap can hold.
     #[inline]
     pub fn clipped(&self, displacement: X) -> X {
-        let limit = if self.cap > 0.0 {
-            self.cap / self.stiffness
-        } else {
-            0.0
-        };
-        displacement.clip(limit)
+        if self.cap <= 0.0 {
+            return X::default();
+        }
+        let cut = self.limit.cut(displacement * self.stiffness, self.cap);
+        cut.map_or(displacement, |cut| cut.force / self.stiffness)
     }
 
     /// Energy of the spring, J, times two.
@@ -294,6 +284,7 @@ mod tests {
                 stiffness: 2e4,
                 damping: 30.0,
                 displacement: random.uniform(-1.5e-4, 1.5e-4),
+                limit: Radial,
             };
             let paid = h * u * element.respond(u, h).force;
             let before = element.displacement;
@@ -314,6 +305,7 @@ mod tests {
                 stiffness: 2e4,
                 damping: 30.0,
                 displacement,
+                limit: Radial,
             };
             let h = 1e-6 * element.damping / element.stiffness;
             let limit = element.cap / element.stiffness;
@@ -332,6 +324,7 @@ mod tests {
             stiffness: 1e3,
             damping: 1.0,
             displacement: 1e-3,
+            limit: Radial,
         };
         assert!(element.next(0.0, 1e-2).abs() < f64::MIN_POSITIVE);
         assert!(element.next_under_falling_cap(0.0, 1e-2).abs() < f64::MIN_POSITIVE);
@@ -351,12 +344,14 @@ mod tests {
                 stiffness: 2e4,
                 damping: 30.0,
                 displacement: random.uniform(-1e-4, 1e-4),
+                limit: Radial,
             };
             let space = ElastoPlastic {
                 cap: line.cap,
                 stiffness: line.stiffness,
                 damping: line.damping,
                 displacement: axis * line.displacement,
+                limit: Radial,
             };
             let (a, b) = (line.respond(u, h), space.respond(axis * u, h));
             assert!((axis * a.force - b.force).norm() < 1e-12 * line.cap);

@@ -279,7 +279,7 @@ fn add_contact(
     let slope = h * friction.slope;
     if slope > 0.0 {
         let n = &contact.normal;
-        let mut add = |direction: &Vec3| {
+        let mut add = |direction: &Vec3, slope: f64| {
             let (along, moment) = contact.lever(direction);
             add_square(G, &join(&moment, &along), slope);
         };
@@ -290,10 +290,13 @@ fn add_contact(
         let axis = if slips { friction.slip } else { *n };
         let first = n.cross(&axis).try_normalize(1e-12);
         let first = first.unwrap_or_else(|| across(n));
-        add(&first);
-        add(&axis.cross(&first));
+        add(&first, slope);
+        add(&axis.cross(&first), slope);
+        if friction.ridge != Vec3::zeros() {
+            add(&friction.ridge, h);
+        }
         if contact.radius > 0.0 && !slips {
-            add(n);
+            add(n, slope);
         }
     }
 }
