@@ -460,15 +460,11 @@ pub const MIN_CORNERS: f64 = 4.0;
 /// (`a_spinning_disc_slows_down_by_friction_over_its_face`).
 pub const EVEN_DISC: f64 = 2.0 / 3.0;
 /// Mean square of the cosine between the velocity with which a face slides and that of its points
-/// when it spins, as a share of what it would be if all of its points were on a ring or on the ends
-/// of a line: between 0.85 for a disc and 0.7 for a line. At 0, where sliding and spinning share a
-/// ball, and at 0.95 fails `a_face_resists_as_its_points_do_together`.
-pub const EVEN_SPREAD: f64 = 0.8;
-/// Square of a turn of the direction of a slip that is not followed by another one, rad²: what it
-/// leaves is this number. At 1e-4 fails `the_nearest_force_is_the_nearest_one`.
-pub const TURNED: f64 = 1e-14;
-/// Most such turns; four are usual. At 2 fails the same.
-pub const MOST_TURNS: usize = 12;
+/// when it spins, as a share of what it would be if all of them were on the ends of a line or on a
+/// ring: of a line, and of a disc. The force is then nearest to that of an even pressure. At 0,
+/// where the norm is the length, and with both numbers exchanged fails
+/// `a_face_resists_as_its_points_do_together`.
+pub const EVEN_SPREAD: [f64; 2] = [0.7, 0.85];
 /// Thickness of a face of a hull, in penetrations: corners that lie so near one plane share its
 /// load. At 1e4 fails `even_terrain_carries_like_the_plane`.
 pub const FACE: f64 = 3.0;

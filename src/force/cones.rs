@@ -94,11 +94,10 @@ impl Terms {
         contacts
             .filter(|(_, r)| !r.slips())
             .fold(0.0, |most, (contact, r)| {
-                let force = r.friction.force * h;
+                let force = r.friction.left * h;
                 let limit = &contact.friction.limit;
-                let cut = limit.cut(force, contact.mu * r.load);
-                let excess = cut.map_or(0.0, |cut| (force - cut.force).norm());
-                most.max(excess / contact.mass)
+                let borne = limit.bear(force, contact.mu * r.load);
+                most.max((force - borne.left).norm() / contact.mass)
             })
     }
 
@@ -223,7 +222,7 @@ impl Contact {
     fn may_lag(&self, r: &Response, h: f64) -> bool {
         let cap = self.mu * r.load / h;
         let sticks = !r.slips() && self.friction.cap > 0.0;
-        !(sticks && self.friction.limit.cut(r.friction.force, cap).is_none())
+        !(sticks && self.friction.limit.holds(&r.friction.left, cap))
     }
 
     /// Adds what friction would do more with the cone that belongs to the normal force of a

@@ -443,9 +443,10 @@ impl Contact {
         (u, at): (&Vec3, &[PointVelocity]),
         h: f64,
     ) -> f64 {
-        let [slip, ridge] = [r.friction.slip, r.friction.ridge].map(|x| x.dot(u));
-        let across = u.norm_squared() - slip * slip;
-        let mut sum = h * (r.friction.slope * across + ridge * ridge);
+        let friction = &r.friction;
+        let limit = &self.friction.limit;
+        let across = limit.curvature(&friction.left, &friction.growth, u);
+        let mut sum = h * friction.slope * across;
         let (mut mean, mut bend, mut tilt) = (0.0, 0.0, 0.0);
         let mut middle = 0.0;
         for ((p, r), v) in points[self.points.clone()].iter().zip(of).zip(at) {

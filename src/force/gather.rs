@@ -272,7 +272,7 @@ impl Contact {
         for (i, p) in own.iter().enumerate() {
             let (load, apart) = (loads(i), p.x - center);
             let place = [apart.dot(&first), apart.dot(&second)];
-            mean += load * libm::hypot(place[0], place[1]);
+            mean += load * (place[0] * place[0] + place[1] * place[1]).sqrt();
             spread.add(load, place);
             if let Some(rim) = &p.rim {
                 discs[0] += load * rim.flatness * rim.radius;

@@ -5,10 +5,10 @@
 //!
 //! 1. Spring and damper together would give `y = k ς + (k h + d) u`.
 //! 2. The force is `F = y` while `|y| ≤ F̄` (the element sticks), else `F̄ ŷ` with `ŷ = y/|y|` (it
-//!    slips along `ŷ`). Of a face that slides and spins it is the nearest force to `y` that its
-//!    points can bear together, and the slip is along `ŝ = (y − F)/|y − F|`, see [`super::limit`].
-//! 3. The displacement after the step is `(F − d u)/k`, at which the spring alone gives what the
-//!    damper leaves of `F`. Along the slip it may only approach that value, see
+//!    slips along `ŷ`). Of a face that slides and spins another norm `H` stands for the length: it
+//!    keeps `Y = y` or `Y = F̄ y/H(y)`, and its force is `H(Y) ∇H(Y)`, see [`super::limit`].
+//! 3. The displacement after the step is `(Y − d u)/k` with `Y = F`, at which the spring alone
+//!    gives what the damper leaves of `F`. Along the slip it may only approach that value, see
 //!    `ElastoPlastic::slipped`.
 //!
 //! Where friction at rest is higher than sliding friction, the cap follows the speed of the slip
@@ -99,13 +99,14 @@ pub struct ElastoPlastic<X, L = Radial> {
 pub struct Resistance<X> {
     /// Force against the velocity, N or N·m.
     pub force: X,
-    /// Derivative of the force with the velocity in every direction but `slip`, N·s/m or N·m·s/rad.
+    /// What is left of the force of spring and damper, N or N·m.
+    pub left: X,
+    /// Derivative of the force with the velocity in every direction but `slip`, N·s/m or N·m·s/rad;
+    /// of a face in shares of [`super::Face::slope`].
     pub slope: f64,
     /// Direction in which the element slips and the force does not change; zero while it sticks.
     pub slip: X,
-    /// What the derivative is more than that along one direction: it times itself is what is added.
-    pub ridge: X,
-    /// Derivative of the force with the cap.
+    /// Derivative of the force with the cap; zero while it sticks.
     pub growth: X,
 }
 
@@ -118,19 +119,13 @@ impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
         }
         let b = self.stiffness * h + self.damping;
         let y = self.displacement * self.stiffness + u * b;
-        match self.limit.cut(y, self.cap) {
-            None => Resistance {
-                force: y,
-                slope: b,
-                ..Resistance::default()
-            },
-            Some(cut) => Resistance {
-                force: cut.force,
-                slope: b * cut.slope,
-                slip: cut.slip,
-                ridge: cut.ridge * b.sqrt(),
-                growth: cut.growth,
-            },
+        let borne = self.limit.bear(y, self.cap);
+        Resistance {
+            force: borne.force,
+            left: borne.left,
+            slope: b * borne.share,
+            slip: borne.slip,
+            growth: borne.growth,
         }
     }
 
@@ -140,8 +135,8 @@ impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
         if self.cap <= 0.0 {
             return X::default();
         }
-        let Resistance { force, slip, .. } = self.respond(u, h);
-        let settled = (force - u * self.damping) / self.stiffness;
+        let Resistance { left, slip, .. } = self.respond(u, h);
+        let settled = (left - u * self.damping) / self.stiffness;
         let (before, after) = (slip.dot(&self.displacement), slip.dot(&settled));
         let next = settled + slip * (self.slipped(before, after, h) - after);
         self.clipped(next)
@@ -153,11 +148,11 @@ impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
     #[inline]
     pub fn sliding(&self, u: X, wound: f64, h: f64) -> f64 {
         let speed = u.dot(&u).sqrt();
-        let Resistance { force, slip, .. } = self.respond(u, h);
+        let Resistance { left, slip, .. } = self.respond(u, h);
         if slip.dot(&slip) <= 0.0 || speed <= 0.0 {
             return 0.0;
         }
-        let left = (slip.dot(&force) - self.stiffness * slip.dot(&self.displacement)).max(0.0);
+        let left = (slip.dot(&left) - self.stiffness * slip.dot(&self.displacement)).max(0.0);
         let wound = left.min(wound * self.damping) / (self.damping + h * self.stiffness);
         (1.0 - wound / speed).max(0.0)
     }
@@ -191,14 +186,14 @@ impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
     }
 
     /// How fast the displacement changes at the relative velocity `u`, where no steps are taken:
-    /// `ς̇ = (F − k ς)/d`, see [`crate::continuous`].
+    /// `ς̇ = (Y − k ς)/d`, see [`crate::continuous`].
     #[inline]
     pub fn rate(&self, u: X) -> X {
         if self.damping <= 0.0 {
             return X::default();
         }
-        let force = self.respond(u, 0.0).force;
-        (force - self.displacement * self.stiffness) / self.damping
+        let left = self.respond(u, 0.0).left;
+        (left - self.displacement * self.stiffness) / self.damping
     }
 
     /// A displacement, cut down to what the cap can hold.
@@ -207,14 +202,20 @@ impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
         if self.cap <= 0.0 {
             return X::default();
         }
-        let cut = self.limit.cut(displacement * self.stiffness, self.cap);
-        cut.map_or(displacement, |cut| cut.force / self.stiffness)
+        let force = displacement * self.stiffness;
+        if self.limit.holds(&force, self.cap) {
+            return displacement;
+        }
+        self.limit.bear(force, self.cap).left / self.stiffness
     }
 
-    /// Energy of the spring, J, times two.
+    /// Energy of the spring, J, times two: `H²(k ς)/k`, which is its force times its displacement.
     #[inline]
     pub fn twice_stored(&self) -> f64 {
-        self.stiffness * self.displacement.dot(&self.displacement)
+        let spring = self
+            .limit
+            .bear(self.displacement * self.stiffness, f64::INFINITY);
+        spring.force.dot(&self.displacement)
     }
 }
 
