@@ -147,7 +147,8 @@ fn made(request: &Request, mut settings: Settings) -> Result<Robot, StageError> 
     let options = world::options(&settings, packages);
     let read = world::read(&request.urdf, request.arguments_of_robot(), &options);
     let (description, expanded) = read.map_err(|mut findings| {
-        findings.extend(later::beside_robot(request, &settings, &options));
+        let more = later::beside_robot(request, &settings, &options, &findings);
+        findings.extend(more);
         StageError::Robot(findings)
     })?;
     let mut diagnostics = description.diagnostics.clone();

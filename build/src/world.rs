@@ -165,7 +165,7 @@ fn unexpanded(
     let more = urdf::read_str(&rest.text, name, folder, &options);
     let more = more.err().unwrap_or_default();
     let mut more: Vec<Diagnostic> = more.into_iter().filter_map(told).collect();
-    if !more.is_empty() {
+    if !more.is_empty() || rest.foreseen {
         rest.origins.tell(name, &mut more);
         findings.push(rest.note);
         findings.append(&mut more);
@@ -178,31 +178,54 @@ pub fn may_follow(finding: &mut Diagnostic) {
     (finding.severity, finding.code) = (Severity::Warning, "U068");
 }
 
-/// What can be read of a file, whatever is wrong with it, and whether that has all its names.
-pub fn rest(
-    path: &Path,
-    arguments: &[String],
-    options: &ReadOptions,
-) -> Option<(Description, bool)> {
+/// What can be read of a file that is refused.
+pub struct Rest {
+    /// What is read.
+    pub description: Description,
+    /// Whether it has all its names.
+    pub whole: bool,
+    /// Whether nothing else is wrong with it than is told already: it is in xacro, and what is
+    /// proposed makes it a sound robot.
+    pub sound: bool,
+}
+
+/// What can be read of a file, whatever is wrong with it.
+pub fn rest(path: &Path, arguments: &[String], options: &ReadOptions) -> Option<Rest> {
     let mut options = ReadOptions {
         rest: true,
         drawn: false,
         ..options.clone()
     };
     if !xacro::is_xacro(path) {
-        return Some((urdf::read(path, &options).ok()?, true));
+        let description = urdf::read(path, &options).ok()?;
+        return Some(Rest {
+            description,
+            whole: true,
+            sound: false,
+        });
     }
-    let (text, packages, whole) = match xacro::expand(path, arguments, &options) {
-        Ok(expanded) => (expanded.text, expanded.packages, true),
+    let (text, packages, whole, mut sound) = match xacro::expand(path, arguments, &options) {
+        Ok(expanded) => (expanded.text, expanded.packages, true, false),
         Err(refused) => {
             let rest = refused.rest?;
-            (rest.text, rest.packages, rest.whole)
+            let sound = rest.whole && rest.faulty.is_empty();
+            (rest.text, rest.packages, rest.whole, sound)
         }
     };
     options.packages.extend(packages);
     let name = path.display().to_string();
-    let read = urdf::read_str(&text, &name, folder::of(path), &options);
-    Some((read.ok()?, whole))
+    let read = |options| urdf::read_str(&text, &name, folder::of(path), options);
+    let all = ReadOptions {
+        rest: false,
+        ..options.clone()
+    };
+    sound = sound && read(&all).is_ok();
+    let description = read(&options).ok()?;
+    Some(Rest {
+        description,
+        whole,
+        sound,
+    })
 }
 
 /// Reads all that the settings place around the robot. An object that is nothing but a ground

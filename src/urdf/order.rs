@@ -48,6 +48,8 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
         .filter_map(|j| Some(j.child.as_ref()?.name))
         .collect();
     let rootless = robot.links.iter().all(|link| held.contains(link.name));
+    // Those that no joint holds, once all are written that one does.
+    let tops = unknown.iter().filter(|name| !held.contains(*name)).count();
     // As many may be meant for those that have no name.
     let told = unknown.len() > nameless;
     let mut complete = robot.links.iter().all(|link| link.own_name)
@@ -74,7 +76,8 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
                 let known = known.filter(|name| !own.contains(&Some(name)));
                 let mut help = did_you_mean(reference.name, known);
                 if help.is_empty() {
-                    help = declared(reference.name, what, &unknown, rootless);
+                    let is_root = !held.contains(reference.name);
+                    help = declared(reference.name, is_root, tops, rootless);
                 }
                 if told {
                     scope.problem("U016", reference.at.clone(), &message, help);
@@ -135,16 +138,17 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
 
 /// Advice on a link that does not exist, where none has a name that is near.
 ///
-/// - `unknown`: all names of links that do not exist
+/// - `is_root`: whether no joint has it as its child
+/// - `tops`: how many links do not exist of which that is so
 /// - `rootless`: whether each link that exists is some joint's child
-fn declared(name: &str, what: &str, unknown: &HashSet<&str>, rootless: bool) -> String {
-    match (what, unknown.len()) {
-        ("child", _) => format!("write <link name=\"{name}\"/>, or correct the name"),
-        (_, 1) if rootless => format!(
+fn declared(name: &str, is_root: bool, tops: usize, rootless: bool) -> String {
+    match tops {
+        _ if !is_root => format!("write <link name=\"{name}\"/>, or correct the name"),
+        1 if rootless => format!(
             "write <link name=\"{name}\"/> for a root, or give the file of the whole robot if this \
              is a part of it"
         ),
-        (_, _) if rootless => {
+        _ if rootless => {
             "give the file of the whole robot if this is a part of it, or correct the names"
                 .to_owned()
         }

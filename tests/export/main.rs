@@ -12,6 +12,7 @@ mod ends;
 mod export;
 mod faults;
 mod followed;
+mod foreseen;
 mod forums;
 mod inertias;
 mod info;

@@ -19,6 +19,12 @@ const OF_NAMES: [&str; 11] = [
     "A101", "A102", "A103", "A106", "A125", "A130", "A131", "A133", "A137", "A139", "A140",
 ];
 
+/// The error of a loop that cannot be closed.
+const OF_LOOPS: &str = "A141";
+
+/// Errors of meshes alone.
+const OF_MESHES: [&str; 6] = ["U104", "U105", "U106", "U107", "U112", "U115"];
+
 /// Errors that settings can mend: those of masses and inertias.
 const OF_MASSES: [&str; 3] = ["U06", "A104", "A105"];
 
@@ -60,16 +66,24 @@ pub(super) fn beside_settings(
 
 /// What else is wrong with a robot whose file has errors: with its names, its SRDF, and what is
 /// around it.
+///
+/// - `findings`: of its file
 pub(super) fn beside_robot(
     request: &Request,
     settings: &Settings,
     options: &ReadOptions,
+    findings: &[Diagnostic],
 ) -> Vec<Diagnostic> {
     let read = world::rest(&request.urdf, request.arguments_of_robot(), options);
     let mut settings = settings.clone();
     let (guests, mut list) = around(&mut settings, &request.packages);
     list.retain(|finding| is_error(finding) || finding.code == "U068");
-    let Some((description, whole)) = read else {
+    let Some(world::Rest {
+        description,
+        whole,
+        sound: is_sound,
+    }) = read
+    else {
         return list;
     };
     if let Some(path) = &request.srdf {
@@ -78,7 +92,16 @@ pub(super) fn beside_robot(
     }
     // Shapes may be left out.
     let of_shapes = |finding: &Diagnostic| finding.message.contains("no collision shape");
+    if is_sound {
+        list.extend(sound(&description, &settings, &guests));
+        return list;
+    }
     let mut names = of(&description, &settings, &guests);
+    // Where the joints are does not depend on meshes.
+    let mut errors = findings.iter().filter(|finding| is_error(finding));
+    if !errors.all(|error| OF_MESHES.contains(&error.code)) {
+        names.retain(|name| name.code != OF_LOOPS);
+    }
     names.retain(|name| !of_shapes(name));
     if !whole {
         names.iter_mut().for_each(world::may_follow);
@@ -188,7 +211,7 @@ pub(super) fn sound(
     list
 }
 
-/// What is wrong with the names in a robot and its settings.
+/// What is wrong with the names and loops in a robot and its settings.
 ///
 /// - `guests`: all that are around it, or none of them where that is not known
 pub(super) fn of(
@@ -207,7 +230,8 @@ pub(super) fn of(
         finding.code == "A106" && finding.message.starts_with("a fixed base")
     };
     let told = |finding: &Diagnostic| {
-        is_error(finding) && OF_NAMES.contains(&finding.code) && !of_base(finding)
+        let code = finding.code;
+        is_error(finding) && (OF_NAMES.contains(&code) || code == OF_LOOPS) && !of_base(finding)
     };
     let mut list: Vec<Diagnostic> = findings.into_iter().filter(told).collect();
     list.extend(clashes(description, settings));

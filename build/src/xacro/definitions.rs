@@ -1,7 +1,7 @@
 //! Where a name is defined that a file in xacro uses and does not know.
 
 use super::folders;
-use super::problem::{Lacking, Problem};
+use super::problem::{Lacking, Meant, Problem};
 use super::texts::Texts;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -28,6 +28,37 @@ impl Unread {
             files
         })
     }
+
+    /// Those that define a macro or a property.
+    fn defining(&mut self, path: &Path, texts: &Texts, tag: &str, name: &str) -> Vec<PathBuf> {
+        let texts = self.all(path, texts).iter();
+        let defines = texts.filter(|(_, text)| definition(text, tag, name).is_some());
+        defines.map(|(file, _)| file.clone()).collect()
+    }
+}
+
+/// The tag and the name of the definition that a problem lacks.
+fn lacking(problem: &Problem) -> Option<(&'static str, &str)> {
+    match &problem.lacking {
+        Some(Lacking::Macro(name)) => Some(("<xacro:macro", name)),
+        Some(Lacking::Property(name)) => Some((PROPERTY, name)),
+        _ => None,
+    }
+}
+
+/// The one file of the package that defines what a problem lacks, if nothing that is read does.
+pub(super) fn not_included(
+    path: &Path,
+    texts: &Texts,
+    problem: &Problem,
+    unread: &mut Unread,
+) -> Option<PathBuf> {
+    let (tag, name) = lacking(problem)?;
+    if defined(texts, problem, tag, name).is_some() {
+        return None;
+    }
+    let mut files = unread.defining(path, texts, tag, name);
+    files.pop().filter(|_| files.is_empty())
 }
 
 /// Where the macro or property is defined that a problem lacks, as advice.
@@ -41,11 +72,7 @@ pub(super) fn advice(
     part: bool,
     unread: &mut Unread,
 ) -> Option<String> {
-    let (tag, name) = match &problem.lacking {
-        Some(Lacking::Macro(name)) => ("<xacro:macro", name),
-        Some(Lacking::Property(name)) => (PROPERTY, name),
-        _ => return None,
-    };
+    let (tag, name) = lacking(problem)?;
     if let Some(defined) = defined(texts, problem, tag, name) {
         return Some(defined);
     }
@@ -56,9 +83,7 @@ pub(super) fn advice(
     if part {
         return None;
     }
-    let texts = unread.all(path, texts).iter();
-    let defines = texts.filter(|(_, text)| definition(text, tag, name).is_some());
-    let files: Vec<PathBuf> = defines.map(|(file, _)| file.clone()).collect();
+    let files = unread.defining(path, texts, tag, name);
     let [file] = &files[..] else {
         let files = (!files.is_empty()).then(|| folders::listed(&files));
         return files.map(|files| format!("include one of the files that define it:\n{files}"));
@@ -123,10 +148,10 @@ fn nearer(texts: &Texts, problem: &Problem, name: &str) -> Option<String> {
         let tags = text.split(PROPERTY).skip(1);
         names.extend(tags.filter_map(|tag| attribute(tag, "name")));
     }
-    let offered = problem
-        .meant
-        .as_ref()
-        .and_then(|meant| meant.split('\'').nth(1));
+    let offered = match &problem.meant {
+        Some(Meant::Name(name)) => Some(name.as_str()),
+        _ => None,
+    };
     let near = nearest(name, names.iter().map(String::as_str).chain(offered))?;
     if offered == Some(near) {
         return None;

@@ -7,6 +7,7 @@
 //! all that is wrong. What only follows from something that was told is not told.
 
 use super::files::SIGNS;
+use super::foreseen::Proposed;
 use super::macros::{Macro, Macros};
 use super::parameter::parameters;
 use super::problem::{Done, Lacking, Problem, Weight};
@@ -16,7 +17,7 @@ use super::texts::Texts;
 use super::tree::{self, Element, Node};
 use super::value::Value;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 /// Macros and elements within each other.
@@ -38,12 +39,14 @@ pub struct Expansion<'f> {
     pub maybe: Vec<Problem>,
     /// Whether what is looked at is left out, as far as is known.
     pub(super) supposed: bool,
+    /// Properties that are set where that is so: what they are afterwards is not known.
+    pub(super) doubtful: Vec<(usize, String)>,
     /// Whether all elements are there and have their names, whatever is wrong.
     pub whole: bool,
     pub(super) macros: Macros,
     elements: usize,
     /// Elements and calls since something wrong was met.
-    after: usize,
+    pub(super) after: usize,
     pub(super) depth: usize,
     /// Whether something of the present element is left out.
     pub(super) faulty: bool,
@@ -56,6 +59,7 @@ impl<'f> Expansion<'f> {
             problems: Vec::new(),
             maybe: Vec::new(),
             supposed: false,
+            doubtful: Vec::new(),
             whole: true,
             macros: Macros::new(),
             elements: 0,
@@ -67,11 +71,26 @@ impl<'f> Expansion<'f> {
 
     /// The expanded document, without what cannot be expanded.
     pub fn document(&mut self, path: &Path) -> Option<Element> {
-        let root = self.texts.sources.root(path);
-        let done = root.and_then(|(root, wrong)| {
+        self.document_with(path, &Proposed::default())
+    }
+
+    /// The expanded document, as it would be if this was done.
+    pub(super) fn document_with(&mut self, path: &Path, proposed: &Proposed) -> Option<Element> {
+        for (name, found) in &proposed.macros {
+            self.macros.set(0, name.clone(), Rc::clone(found));
+        }
+        for (name, entry) in &proposed.properties {
+            self.texts.symbols.set(0, name, entry.clone());
+        }
+        self.texts.sources.meant.clone_from(&proposed.meant);
+        let mut files = proposed.files.iter().map(PathBuf::as_path).chain([path]);
+        let done = files.try_fold(Element::default(), |_, file| {
+            let (root, wrong) = self.texts.sources.root(file)?;
             self.misread(wrong)?;
-            self.texts.sources.enter(path.to_owned())?;
-            self.element(&root, 0, 0)
+            self.texts.sources.enter(file.to_owned())?;
+            let found = self.element(&root, 0, 0)?;
+            self.texts.sources.leave();
+            Ok(found)
         });
         let root = done.map_err(|problem| self.tell(problem)).ok();
         // What has ended the expansion may be a property without an end.
@@ -79,12 +98,6 @@ impl<'f> Expansion<'f> {
             self.suppose_properties();
         }
         root
-    }
-
-    /// Elements and calls that were looked at since something wrong was met.
-    #[cfg(test)]
-    pub(super) fn looked_at(&self) -> usize {
-        self.after
     }
 
     /// Names of macros that the file defines.
@@ -358,7 +371,7 @@ impl<'f> Expansion<'f> {
             self.faulty |= found.faulty;
             self.texts.sources.leave();
             self.texts.sources.at = at;
-            import_namespaces(attributes, &found);
+            tree::import_namespaces(attributes, &found);
             out.extend(found.children);
         }
         Ok(())
@@ -413,10 +426,13 @@ impl<'f> Expansion<'f> {
                 name = format!("**{name}");
                 Entry::Value(Value::Block(Rc::clone(element)))
             }
-            Some(text) if lazy => lazily(text),
+            Some(text) if lazy => Entry::lazy(text),
             Some(text) => self.entry(text, scope)?,
         };
         self.texts.symbols.set(target, &name, entry);
+        if self.supposed {
+            self.doubtful.push((target, name));
+        }
         Ok(())
     }
 
@@ -430,7 +446,7 @@ impl<'f> Expansion<'f> {
             parameters,
             file,
         };
-        self.macros.set(macros, name, found);
+        self.macros.set(macros, name, Rc::new(found));
         Ok(())
     }
 
@@ -473,28 +489,8 @@ impl<'f> Expansion<'f> {
             attributes: found.body.attributes.clone(),
             ..Element::default()
         };
-        import_namespaces(attributes, &shell);
+        tree::import_namespaces(attributes, &shell);
         out.extend(body);
         Ok(())
-    }
-}
-
-/// A property that is evaluated when it is used, unless it is a number.
-fn lazily(text: &str) -> Entry {
-    match Value::text(text).of_literal() {
-        Value::Str(text) => Entry::Text(text.to_string()),
-        value => Entry::Value(value),
-    }
-}
-
-/// Declarations of prefixes go to the element around.
-fn import_namespaces(attributes: &mut Vec<(String, String)>, from: &Element) {
-    for (name, value) in &from.attributes {
-        if name.starts_with("xmlns:")
-            && name != "xmlns:xacro"
-            && !attributes.iter().any(|(own, _)| own == name)
-        {
-            attributes.push((name.clone(), value.clone()));
-        }
     }
 }

@@ -5,12 +5,12 @@ use super::definitions::{self, Unread, attribute};
 use super::evaluate::NO_KEY;
 use super::folders;
 use super::includers;
-use super::problem::{Lacking, Problem};
+use super::problem::{Lacking, Meant, Problem};
 use super::sources::NAMELESS;
 use super::texts::Texts;
-use super::values::{self, Launches};
+use super::values::{self, Known, Launches};
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity, nearest};
 use urdf2fmu_core::folder;
 
@@ -30,6 +30,48 @@ pub(super) fn named(text: &str, start: &str) -> BTreeSet<String> {
         .collect()
 }
 
+/// Whether a file that includes this one may have what a problem lacks.
+fn of_others(problem: &Problem) -> bool {
+    matches!(
+        problem.lacking,
+        Some(Lacking::Argument(_) | Lacking::Property(_) | Lacking::Macro(_))
+    )
+}
+
+/// Whether a file that includes this one may have what it lacks.
+pub(super) fn may_be_part(problems: &[Problem]) -> bool {
+    problems.iter().any(of_others)
+}
+
+/// Arguments without a value, all that the files use and nobody gives, and what may be meant.
+pub(super) fn lacking_arguments(
+    path: &Path,
+    texts: &Texts,
+    problems: &[Problem],
+) -> Vec<(String, Option<Known>)> {
+    let absent = |name: &String| {
+        let mut lacking = problems.iter().map(|problem| &problem.lacking);
+        lacking.any(|lacking| matches!(lacking, Some(Lacking::Argument(own)) if own == name))
+    };
+    let any = |problem: &Problem| matches!(problem.lacking, Some(Lacking::Argument(_)));
+    if !problems.iter().any(any) {
+        return Vec::new();
+    }
+    let read = || texts.sources.read.values().map(|text| &**text);
+    let used: BTreeSet<String> = read().flat_map(|text| named(text, "$(arg ")).collect();
+    let declared: BTreeSet<String> = read().flat_map(declared_arguments).collect();
+    // A default that stands after the first use comes too late.
+    let lacking = |name: &String| {
+        absent(name) || !declared.contains(name) && !texts.arguments.contains_key(name)
+    };
+    let mut launches = Launches::default();
+    let lacking = used.into_iter().filter(lacking).map(|name| {
+        let known = launches.known(path, &name, read());
+        (name, known)
+    });
+    lacking.collect()
+}
+
 /// A finding for each problem, and one for all arguments together.
 pub(super) fn all(
     path: &Path,
@@ -37,18 +79,6 @@ pub(super) fn all(
     texts: &Texts,
     problems: &[Problem],
 ) -> Vec<Diagnostic> {
-    let absent = |problem: &Problem| match &problem.lacking {
-        Some(Lacking::Argument(name)) => Some(name.clone()),
-        _ => None,
-    };
-    let absent: Vec<String> = problems.iter().filter_map(absent).collect();
-    // What a file that includes this one may have.
-    let of_others = |problem: &Problem| {
-        matches!(
-            problem.lacking,
-            Some(Lacking::Argument(_) | Lacking::Property(_) | Lacking::Macro(_))
-        )
-    };
     // Nor is it known what a package or a file that is missing has of it.
     let of_files = |problem: &Problem| {
         matches!(
@@ -56,7 +86,7 @@ pub(super) fn all(
             Some(Lacking::Package(_) | Lacking::File(_))
         )
     };
-    let certain = problems.iter().any(of_others);
+    let certain = may_be_part(problems);
     let part = certain || problems.iter().any(of_files);
     let part = part.then(|| includers::advice(path)).flatten();
     let mut unread = Unread::default();
@@ -74,11 +104,11 @@ pub(super) fn all(
                 continue;
             }
         }
-        let mut finding = finding(path, arguments, texts, (problem, &absent));
+        let mut finding = finding(path, arguments, texts, (problem, problems));
         if let Some(meant) = &problem.meant {
             finding.help = Some(match (&problem.lacking, finding.help) {
                 (Some(Lacking::Argument(_)), Some(help)) => format!("{meant}\nor {help}"),
-                _ => meant.clone(),
+                _ => meant.to_string(),
             });
         }
         let defined = definitions::advice(path, texts, problem, part.is_some(), &mut unread);
@@ -114,10 +144,16 @@ pub(super) fn maybe(texts: &Texts, problems: &[Problem]) -> Vec<Diagnostic> {
         severity: Severity::Warning,
         code: "U068",
         message: problem.message.clone(),
-        help: problem.meant.clone(),
+        help: problem.meant.as_ref().map(Meant::to_string),
         place: place(texts, problem),
     };
     problems.iter().map(finding).collect()
+}
+
+/// The one file that has the name of a file that is not there.
+pub(super) fn namesake(path: &Path) -> Option<PathBuf> {
+    let mut found = folders::namesakes(path);
+    found.pop().filter(|_| found.is_empty())
 }
 
 /// Advice on a file that is not there, where files of its name are, or one of a name that is near.
@@ -154,7 +190,10 @@ pub(super) fn moved(texts: &Texts) -> Vec<Diagnostic> {
         severity: *severity,
         code: "U118",
         message: problem.message.clone(),
-        help: Some(problem.meant.clone().unwrap_or_else(|| CORRECT.to_owned())),
+        help: Some(match &problem.meant {
+            Some(meant) => meant.to_string(),
+            None => CORRECT.to_owned(),
+        }),
         place: place(texts, problem),
     };
     texts.sources.moved.iter().map(finding).collect()
@@ -212,38 +251,18 @@ fn finding(
     path: &Path,
     arguments: &[String],
     texts: &Texts,
-    (problem, absent): (&Problem, &[String]),
+    (problem, problems): (&Problem, &[Problem]),
 ) -> Diagnostic {
     let name = path.display();
     let (message, help) = if let Some(Lacking::Argument(_)) = problem.lacking {
-        // All that the files use and nobody gives.
-        let used = texts
-            .sources
-            .read
-            .values()
-            .flat_map(|text| named(text, "$(arg "));
-        let declared: BTreeSet<String> = texts
-            .sources
-            .read
-            .values()
-            .flat_map(|text| declared_arguments(text))
+        let lacking = lacking_arguments(path, texts, problems);
+        let listed: Vec<String> = lacking
+            .iter()
+            .map(|(name, _)| format!("'{name}'"))
             .collect();
-        let lacking: Vec<String> = used
-            .collect::<BTreeSet<_>>()
-            .into_iter()
-            .filter(|name| {
-                // A default that stands after the first use comes too late.
-                absent.contains(name)
-                    || !declared.contains(name) && !texts.arguments.contains_key(name)
-            })
-            .collect();
-        let listed: Vec<String> = lacking.iter().map(|name| format!("'{name}'")).collect();
-        let mut launches = Launches::default();
         let mut reasons = String::new();
         let mut call = Vec::new();
-        for name in &lacking {
-            let read = texts.sources.read.values().map(|text| &**text);
-            let known = launches.known(path, name, read);
+        for (name, known) in &lacking {
             let value = known.as_ref().map_or("…", |known| &known.value);
             call.push(format!("{name}:={value}"));
             if let Some(known) = known {

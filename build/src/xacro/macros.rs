@@ -38,6 +38,11 @@ impl Macros {
         }
     }
 
+    /// The file's own macro of a name.
+    pub fn own(&self, name: &str) -> Option<Rc<Macro>> {
+        self.tables[0].macros.get(name).map(Rc::clone)
+    }
+
     /// Names of the file's own macros.
     pub fn names(&self) -> Vec<String> {
         self.tables[0].macros.keys().cloned().collect()
@@ -65,8 +70,8 @@ impl Macros {
         own
     }
 
-    pub fn set(&mut self, scope: usize, name: String, found: Macro) {
-        self.tables[scope].macros.insert(name, Rc::new(found));
+    pub fn set(&mut self, scope: usize, name: String, found: Rc<Macro>) {
+        self.tables[scope].macros.insert(name, found);
     }
 
     /// What a table has, or one of those above it.

@@ -16,6 +16,7 @@ mod expand;
 mod files;
 mod findings;
 mod folders;
+mod foreseen;
 mod format;
 mod functions;
 mod includers;
@@ -88,6 +89,8 @@ pub struct Rest {
     pub origins: Origins,
     /// That lines are those of the text.
     pub note: Diagnostic,
+    /// Whether it has what is proposed.
+    pub foreseen: bool,
 }
 
 /// Whether a file is to be expanded: by its name, or because it defines something in xacro.
@@ -129,6 +132,15 @@ fn defines(text: &str) -> bool {
     false
 }
 
+/// Arguments by their names.
+fn pairs(arguments: &[String]) -> BTreeMap<String, String> {
+    let pairs = arguments
+        .iter()
+        .filter_map(|argument| argument.split_once(":="));
+    let pairs = pairs.map(|(name, value)| (name.trim().to_owned(), value.trim().to_owned()));
+    pairs.collect()
+}
+
 /// The expanded text, and a note that says so.
 ///
 /// - `arguments`: `name:=value`
@@ -141,12 +153,8 @@ pub fn expand(
     arguments: &[String],
     options: &ReadOptions,
 ) -> Result<Expanded, Box<Refused>> {
-    let pairs = arguments
-        .iter()
-        .filter_map(|argument| argument.split_once(":="));
-    let pairs = pairs.map(|(name, value)| (name.trim().to_owned(), value.trim().to_owned()));
     let find = urdf::package_finder(folder::of(path), options);
-    let mut expansion = Expansion::new(pairs.collect(), &find);
+    let mut expansion = Expansion::new(pairs(arguments), &find);
     let shown = command::command_line(path, arguments);
     let note = |message: String| Diagnostic {
         severity: Severity::Note,
@@ -206,10 +214,9 @@ pub fn expand(
             lone: None,
         });
     }
+    let (findings, expansion, root, foreseen) =
+        foreseen::all(path, arguments, &find, (expansion, root));
     let macros = expansion.macro_names();
-    let mut findings = findings::all(path, arguments, &expansion.texts, problems);
-    findings.extend(findings::moved(&expansion.texts));
-    findings.extend(findings::maybe(&expansion.texts, &expansion.maybe));
     Err(Box::new(Refused {
         findings,
         rest: root.map(|root| {
@@ -225,11 +232,16 @@ pub fn expand(
                 origins,
                 whole: expansion.whole,
                 packages: packages.into_iter().collect(),
-                note: note(
-                    "expanded from xacro as far as possible: lines of its elements are those of \
-                     the expanded text"
-                        .to_owned(),
-                ),
+                foreseen,
+                note: note(format!(
+                    "expanded from xacro as far as possible{}: lines of its elements are those of \
+                     the expanded text",
+                    if foreseen {
+                        ", as if what is proposed were done"
+                    } else {
+                        ""
+                    }
+                )),
             }
         }),
     }))

@@ -14,9 +14,27 @@ pub struct Problem {
     pub at: usize,
     /// What kind of thing is missing, where the advice depends on it.
     pub lacking: Option<Lacking>,
-    /// What may have been meant, as a sentence.
-    pub meant: Option<String>,
+    /// What may have been meant.
+    pub meant: Option<Meant>,
     pub weight: Weight,
+}
+
+/// What may have been meant.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Meant {
+    /// A name that is near.
+    Name(String),
+    /// What to do.
+    Advice(String),
+}
+
+impl std::fmt::Display for Meant {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Name(name) => write!(f, "did you mean '{name}'?"),
+            Self::Advice(advice) => f.write_str(advice),
+        }
+    }
 }
 
 /// What a document needs and does not have.
@@ -56,13 +74,14 @@ pub enum Weight {
 impl Problem {
     /// With the name of `known` that is nearest to `word`, if one is near.
     pub fn meant<'k>(self, word: &str, known: impl IntoIterator<Item = &'k str>) -> Self {
-        let near = nearest(word, known);
-        self.or_meant(|| near.map(|near| format!("did you mean '{near}'?")))
+        let meant = nearest(word, known).map(|near| Meant::Name(near.to_owned()));
+        let meant = self.meant.clone().or(meant);
+        Self { meant, ..self }
     }
 
     /// With what may be meant, where nothing is known of it yet.
     pub fn or_meant(self, meant: impl FnOnce() -> Option<String>) -> Self {
-        let meant = self.meant.clone().or_else(meant);
+        let meant = self.meant.clone().or_else(|| meant().map(Meant::Advice));
         Self { meant, ..self }
     }
 
@@ -71,6 +90,7 @@ impl Problem {
         let own = element.attributes.iter().map(|(own, _)| own.as_str());
         let near = nearest(name, own.filter(|own| *own != "name"));
         let meant = near.map(|near| format!("did you mean '{name}' by '{near}'?"));
+        let meant = meant.map(Meant::Advice);
         Self { meant, ..self }
     }
 

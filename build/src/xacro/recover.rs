@@ -33,6 +33,8 @@ impl Expansion<'_> {
         let may = self.supposed && problem.weight == Weight::Own || problem.weight == Weight::May;
         let known = |list: &[Problem]| list.iter().any(|known| known.is_as(&problem));
         if own && !self.supposed && !known(&self.problems) {
+            // Looking into what is left out comes before telling why it is.
+            self.maybe.retain(|known| !known.is_as(&problem));
             self.problems.push(problem);
         } else if may
             && self.maybe.len() < MOST_PROBLEMS
@@ -126,8 +128,14 @@ impl Expansion<'_> {
         self.supposed = true;
         let (depth, faulty, whole) = (self.depth, self.faulty, self.whole);
         let place = self.texts.sources.place();
+        let scopes = self.texts.symbols.scopes();
         if let Err(problem) = part(self) {
             self.tell(problem);
+        }
+        for (scope, name) in std::mem::take(&mut self.doubtful) {
+            if scope < scopes {
+                self.texts.symbols.set(scope, &name, Entry::Failed);
+            }
         }
         (self.depth, self.faulty, self.whole) = (depth, faulty, whole);
         self.texts.sources.go_back(place);

@@ -2,7 +2,7 @@
 
 use super::files::matching;
 use super::folders;
-use super::problem::{Done, Lacking, Problem, Weight};
+use super::problem::{Done, Lacking, Meant, Problem, Weight};
 use super::tree::{self, Element};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
@@ -37,6 +37,8 @@ pub struct Sources<'f> {
     pub read: BTreeMap<PathBuf, Rc<str>>,
     /// Packages that were found.
     pub packages: BTreeMap<String, PathBuf>,
+    /// Paths at which there is no file, and those that are read in their place.
+    pub meant: BTreeMap<PathBuf, PathBuf>,
     /// That files and packages are at other places than one would think.
     pub moved: Vec<(Severity, Problem)>,
 }
@@ -63,6 +65,7 @@ impl<'f> Sources<'f> {
             at: 0,
             read: BTreeMap::new(),
             packages: BTreeMap::new(),
+            meant: BTreeMap::new(),
             moved: Vec::new(),
         }
     }
@@ -127,7 +130,7 @@ impl<'f> Sources<'f> {
             file: path.to_owned(),
             at: wrong.at,
             lacking: wrong.of_tags.then_some(Lacking::Tag),
-            meant: wrong.help,
+            meant: wrong.help.map(Meant::Advice),
             ..self.problem(wrong.message)
         };
         let mut wrong = wrong.into_iter().map(problem);
@@ -193,6 +196,9 @@ impl<'f> Sources<'f> {
         if self.read.contains_key(&path) || path.exists() {
             return path;
         }
+        if let Some(meant) = self.meant.get(&path) {
+            return meant.clone();
+        }
         let Some(meant) = folders::meant(&path) else {
             return path;
         };
@@ -218,7 +224,7 @@ impl<'f> Sources<'f> {
                         or leave it out";
             let none = Problem {
                 lacking: Some(Lacking::File(folder.join(pattern))),
-                meant: Some(help.to_owned()),
+                meant: Some(Meant::Advice(help.to_owned())),
                 ..self.problem(format!(
                     "no file matches '{pattern}': this <xacro:include> includes nothing"
                 ))
@@ -266,7 +272,7 @@ impl<'f> Sources<'f> {
         };
         if let Some(remark) = found.remark {
             let problem = self.problem(remark.message);
-            let meant = Some(remark.help);
+            let meant = Some(Meant::Advice(remark.help));
             self.tell(remark.severity, Problem { meant, ..problem });
         }
         let folder = std::path::absolute(&found.folder).unwrap_or(found.folder);

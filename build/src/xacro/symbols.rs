@@ -31,6 +31,16 @@ pub enum Entry {
     Failed,
 }
 
+impl Entry {
+    /// A property that is evaluated when it is used, unless it is a number.
+    pub fn lazy(text: &str) -> Self {
+        match Value::text(text).of_literal() {
+            Value::Str(text) => Self::Text(text.to_string()),
+            value => Self::Value(value),
+        }
+    }
+}
+
 impl Symbols {
     pub fn new() -> Self {
         Self {
@@ -69,6 +79,16 @@ impl Symbols {
 
     pub fn set(&mut self, scope: usize, name: &str, entry: Entry) {
         self.tables[scope].entries.insert(name.to_owned(), entry);
+    }
+
+    /// What the file's own scope has under a name.
+    pub fn own(&self, name: &str) -> Option<&Entry> {
+        self.tables[0].entries.get(name)
+    }
+
+    /// How many scopes there are.
+    pub fn scopes(&self) -> usize {
+        self.tables.len()
     }
 
     /// Removes a name from a scope and all above it.

@@ -95,6 +95,6 @@ fn macros_that_call_themselves_within_wrong_calls_end_soon() {
     files.insert(path.to_owned(), text.into());
     expansion.document(path);
     assert!(!expansion.problems.is_empty());
-    let looked_at = expansion.looked_at();
+    let looked_at = expansion.after;
     assert!(looked_at < 2 * expand::MOST_AFTER, "{looked_at}");
 }

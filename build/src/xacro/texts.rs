@@ -3,7 +3,7 @@
 use super::evaluate::Evaluation;
 use super::functions::{self, Names};
 use super::parse;
-use super::problem::{Done, Lacking, Problem, Weight};
+use super::problem::{Done, Lacking, Meant, Problem, Weight};
 use super::sources::Sources;
 use super::symbols::{Entry, Symbols};
 use super::value::{Value, number_of};
@@ -189,7 +189,7 @@ impl<'f> Texts<'f> {
             let meant = format!(
                 "<xacro:property name=\"{name}\"> has no attribute 'value', so that it is a block"
             );
-            let meant = Some(meant);
+            let meant = Some(Meant::Advice(meant));
             return Problem { meant, ..problem };
         }
         let own = self
@@ -327,7 +327,7 @@ impl Names for Scoped<'_, '_> {
                 .sources
                 .problem(format!("{}: {error}", path.display()));
             let meant = "correct that file: it is no YAML that could be read".to_owned();
-            let meant = Some(meant);
+            let meant = Some(Meant::Advice(meant));
             Problem { meant, ..problem }
         });
         self.told(read)

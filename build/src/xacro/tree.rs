@@ -59,6 +59,18 @@ impl Element {
     }
 }
 
+/// Declarations of prefixes go to the element around.
+pub fn import_namespaces(attributes: &mut Vec<(String, String)>, from: &Element) {
+    for (name, value) in &from.attributes {
+        if name.starts_with("xmlns:")
+            && name != "xmlns:xacro"
+            && !attributes.iter().any(|(own, _)| own == name)
+        {
+            attributes.push((name.clone(), value.clone()));
+        }
+    }
+}
+
 /// Sets an attribute, or replaces it.
 pub fn set(attributes: &mut Vec<(String, String)>, name: &str, value: String) {
     match attributes.iter_mut().find(|(own, _)| own == name) {
