@@ -67,13 +67,14 @@ impl Sparsity {
     pub fn new(blocks: &[usize], cliques: &[Vec<usize>]) -> Self {
         let n = blocks.iter().sum();
         let mut coupled = vec![vec![false; n]; n];
+        // Only with the highest of each clique, which comes first: eliminating it couples the others.
         for clique in cliques {
-            for &i in clique {
-                for &j in clique {
-                    if j < i {
-                        coupled[i][j] = true;
-                    }
-                }
+            let highest = clique.iter().max();
+            for (&i, &j) in highest
+                .iter()
+                .flat_map(|i| clique.iter().map(move |j| (*i, j)))
+            {
+                coupled[i][j] = j < i;
             }
         }
         // Eliminating k couples its lower neighbours; the highest of them is its parent.

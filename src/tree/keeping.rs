@@ -7,8 +7,7 @@ use super::kept::{Kept, Space};
 use super::parts::{Tree, TreeBody};
 use crate::joint::Kind;
 use crate::model::Model;
-use crate::spatial::{Mat3, Pose, Vec3, Vec6, join};
-use std::ops::Range;
+use crate::spatial::{Pose, Vec3, Vec6, join};
 
 impl Tree {
     /// Whether a joint of a chain is at its limit or beyond.
@@ -24,8 +23,9 @@ impl Tree {
     /// them each body is moved.
     pub(super) fn find_kept(&mut self, model: &Model) {
         self.kept.clear();
+        let twists = self.twists();
         for b in (0..self.bodies.len()).rev() {
-            if let Some(kept) = self.longest_kept(model, b) {
+            if let Some(kept) = self.longest_kept(model, &twists, b) {
                 self.kept.push(kept);
             }
         }
@@ -47,7 +47,7 @@ impl Tree {
     }
 
     /// The longest chain that ends with the body `last`, of joints that belong to no other one.
-    fn longest_kept(&self, model: &Model, last: usize) -> Option<Kept> {
+    fn longest_kept(&self, model: &Model, twists: &[[Vec6; 6]], last: usize) -> Option<Kept> {
         let mut found = None;
         let (mut first, mut count) = (last, 0);
         loop {
@@ -62,7 +62,7 @@ impl Tree {
             if columns.is_empty() || count > 6 || !free || self.is_held(first) {
                 return found;
             }
-            found = self.chain(first, last).or(found);
+            found = self.chain(twists, first, last).or(found);
             let parent = body.parent;
             if body.kind.is_base() || !self.only_passes_on(parent, first) {
                 return found;
@@ -131,7 +131,7 @@ impl Tree {
     }
 
     /// The chain between two bodies, if momentum is kept along it.
-    fn chain(&self, first: usize, last: usize) -> Option<Kept> {
+    fn chain(&self, twists: &[[Vec6; 6]], first: usize, last: usize) -> Option<Kept> {
         let mut kept = Kept {
             tree: self.bodies[last].tree,
             body: last,
@@ -142,8 +142,8 @@ impl Tree {
         let mut b = last;
         loop {
             let body = &self.bodies[b];
-            let (twists, columns) = self.twists(b);
-            for (twist, c) in twists.iter().zip(columns) {
+            let columns = body.column..body.column + body.columns;
+            for (twist, c) in twists[b].iter().zip(columns) {
                 if !space.add(twist) {
                     return None;
                 }
@@ -171,45 +171,48 @@ impl Tree {
         }
         let mut b = last;
         loop {
-            let (twists, columns) = self.twists(b);
-            if !twists[..columns.len()]
-                .iter()
-                .all(|twist| space.stays(twist))
-            {
+            let body = &self.bodies[b];
+            let mut own = twists[b][..body.columns].iter();
+            if !own.all(|twist| space.stays(twist)) {
                 return None;
             }
-            if self.bodies[b].kind.is_base() {
+            if body.kind.is_base() {
                 return Some(kept);
             }
-            b = self.bodies[b].parent;
+            b = body.parent;
         }
     }
 
-    /// What the joint of a body lets it do where all joints are at zero: twists about the place of
-    /// the base, world axes, and their columns.
+    /// What the joint of each body lets it do where all joints are at zero: twists about the place of
+    /// the base, world axes, as many as it has columns.
     #[cfg_attr(small, optimize(size))]
-    fn twists(&self, b: usize) -> ([Vec6; 6], Range<usize>) {
-        let body = &self.bodies[b];
-        let mut X = Pose::IDENTITY;
-        let mut at = b;
-        while !self.bodies[at].kind.is_base() {
-            X = self.bodies[at].X.compose(&X);
-            at = self.bodies[at].parent;
-        }
-        let R = self.trees[body.tree].base.R;
-        let (R, p): (Mat3, Vec3) = (R * X.R, R * X.p);
-        let zero = Vec3::zeros();
-        let axis = |i: usize| R.column(i).into_owned();
-        let turn = |i: usize| join(&axis(i), &p.cross(&axis(i)));
-        let slide = |i: usize| join(&zero, &axis(i));
-        let twists = match body.kind {
-            Kind::Welded => [[0.0; 6]; 6],
-            Kind::Free => std::array::from_fn(|i| if i < 3 { turn(i) } else { slide(i - 3) }),
-            Kind::Turn => [turn(2); 6],
-            Kind::Slide => [slide(2); 6],
-            Kind::Ball => std::array::from_fn(|i| turn(i % 3)),
-        };
-        (twists, body.column..body.column + body.columns)
+    fn twists(&self) -> Vec<[Vec6; 6]> {
+        // Parents come before children.
+        let mut poses: Vec<Pose> = Vec::with_capacity(self.bodies.len());
+        let twists = self.bodies.iter().map(|body| {
+            let X = if body.kind.is_base() {
+                let R = self.trees[body.tree].base.R;
+                Pose {
+                    R,
+                    ..Pose::IDENTITY
+                }
+            } else {
+                poses[body.parent].compose(&body.X)
+            };
+            poses.push(X);
+            let zero = Vec3::zeros();
+            let axis = |i: usize| X.R.column(i).into_owned();
+            let turn = |i: usize| join(&axis(i), &X.p.cross(&axis(i)));
+            let slide = |i: usize| join(&zero, &axis(i));
+            match body.kind {
+                Kind::Welded => [[0.0; 6]; 6],
+                Kind::Free => std::array::from_fn(|i| if i < 3 { turn(i) } else { slide(i - 3) }),
+                Kind::Turn => [turn(2); 6],
+                Kind::Slide => [slide(2); 6],
+                Kind::Ball => std::array::from_fn(|i| turn(i % 3)),
+            }
+        });
+        twists.collect()
     }
 }
 

@@ -77,38 +77,24 @@ impl Tree {
                 subtree_mass[body.parent] += m;
             }
         }
+        let reaches = self.reaches(&points, poses);
         let mut levers = vec![0.0; inertia.len()];
         for (b, body) in self.bodies.iter().enumerate() {
-            let within = |mut other: usize| {
-                while other > b && !self.bodies[other].kind.is_base() {
-                    other = self.bodies[other].parent;
-                }
-                other == b
-            };
-            let lever = |axis: Option<Vec3>| {
-                points
-                    .iter()
-                    .filter(|(other, ..)| within(*other))
-                    .map(|(_, p, r)| {
-                        let d = p - poses[b].p;
-                        axis.map_or(d.norm(), |a| a.cross(&d).norm()) + r
-                    })
-                    .fold(0.0, f64::max)
-            };
+            let [about_axis, about_point] = reaches[b];
             let reaching = |far: f64, moment: f64| {
                 let gyration = (moment / subtree_mass[b].max(1e-12)).sqrt();
                 far.max(gyration).min(1.0)
             };
             for c in body.column..body.column + body.columns {
                 let dof = self.dof[c];
-                levers[dof] = lever(Some(poses[b].R.column(2).into_owned()));
+                levers[dof] = about_axis;
                 self.dofs.weight[dof] = match body.kind.sweep(c - body.column) {
                     Sweep::Along => 1.0,
                     Sweep::AboutPoint => {
                         let far = if body.kind.is_base() {
                             self.trees[body.tree].reach
                         } else {
-                            lever(None)
+                            about_point
                         };
                         // Half of the trace is the moment about the point, whatever the axes are.
                         let diagonal = vector_of(body, c).map(|c| inertia[self.dof[c]]);
@@ -140,6 +126,33 @@ impl Tree {
                 self.dofs.speed_damping[dof] = damping.max(inertia[dof] / SPEED_RELAXATION);
             }
         }
+    }
+}
+
+impl Tree {
+    /// How far what moves with each body reaches from the axis of its frame, and from its origin.
+    /// Each point counts for the bodies from its own up to the base, so that the effort is the sum
+    /// of their depths.
+    ///
+    /// - `points`: bodies, places and radii
+    fn reaches(&self, points: &[(usize, Vec3, f64)], poses: &[Pose]) -> Vec<[f64; 2]> {
+        let mut reaches = vec![[0.0; 2]; self.bodies.len()];
+        for (own, p, r) in points {
+            let mut b = *own;
+            loop {
+                let d = p - poses[b].p;
+                let axis = poses[b].R.column(2).into_owned();
+                let far = [axis.cross(&d).norm() + r, d.norm() + r];
+                for (reach, far) in reaches[b].iter_mut().zip(far) {
+                    *reach = f64::max(*reach, far);
+                }
+                if self.bodies[b].kind.is_base() {
+                    break;
+                }
+                b = self.bodies[b].parent;
+            }
+        }
+        reaches
     }
 }
 
