@@ -97,10 +97,6 @@ _HEAD = re.compile(r"^(note|warning|error)(?:\[(\w+)\])?: ", re.M)
 """How each of the things begins that the command says to standard error."""
 
 
-_DOUBT = "is it a run of this robot?"
-"""What a note says that a person reads, and that a program must hear of."""
-
-
 def warn(told: str) -> None:
     """A warning that points at the line of the user's program, however deep in the package it is known."""
     # Of Python's own files only that of `with` stands between the package and its user.
@@ -117,7 +113,7 @@ def _warn_of(said: str) -> None:
     heads = list(_HEAD.finditer(said))
     ends = [head.start() for head in heads[1:]] + [len(said)]
     for head, end in zip(heads, ends):
-        if head[1] == "warning" or _DOUBT in said[head.end():end]:
+        if head[1] == "warning":
             warn((head[2] + ": " if head[2] else "") + said[head.end():end].strip())
 
 

@@ -227,7 +227,7 @@ def test_a_table_of_another_robot_is_noticed(browser, made, command, tmp_path):
     fmu, _, _ = made("iiwa")
     run = command("report", results, "--model", fmu, "-o", tmp_path / "r.html")
     said = "No column says where 'lbr_iiwa' is, so that it stays where it starts: is it a run of this robot?"
-    assert run.returncode == 0 and f"note: {said}" in run.stderr.splitlines(), run.stderr
+    assert run.returncode == 0 and f"warning: {said}" in run.stderr.splitlines(), run.stderr
     with open_report(browser, tmp_path / "r.html") as page:
         assert said in page.evaluate("document.querySelector('#panes > :last-child').textContent")
 

@@ -89,6 +89,9 @@ pub(super) fn write(
     changed: &BTreeMap<String, f64>,
 ) -> Result<Vec<Event>, OutputError> {
     let report = report::make(&seen.scene, &seen.bytes, table, changed);
+    if let Some(doubt) = &report.doubt {
+        tell(&format!("warning: {doubt}\n"))?;
+    }
     tell_notes(&report.notes)?;
     target.write(report.html.as_bytes())?;
     Ok(report.events)

@@ -21,6 +21,8 @@ pub struct Report {
     pub html: String,
     /// Sentences about the table.
     pub notes: Vec<String>,
+    /// Why the table may be of another robot.
+    pub doubt: Option<String>,
     /// What happened in the run.
     pub events: Vec<Event>,
 }
@@ -35,6 +37,7 @@ pub fn make(scene: &Scene, packed: &[u8], table: Table, changed: &BTreeMap<Strin
         mut time,
         mut columns,
         mut notes,
+        doubt,
         ..
     } = table;
     notes.extend(forces_without_columns(scene, &columns));
@@ -56,11 +59,12 @@ pub fn make(scene: &Scene, packed: &[u8], table: Table, changed: &BTreeMap<Strin
         notes.push(left_out(rows, stride));
     }
     let happened = events.iter().map(|event| &event.text);
-    let said: Vec<&String> = happened.chain(&notes).collect();
+    let said: Vec<&String> = happened.chain(&doubt).chain(&notes).collect();
     let run = encode::run(scene, &time, &columns, &said, changed);
     Report {
         html: page::html(&scene.head.robot, packed, Some(&run), "'none'"),
         notes,
+        doubt,
         events,
     }
 }

@@ -36,7 +36,12 @@ pub(super) fn rename_lists(
 }
 
 /// Gives columns the names of the scene's variables, and says what is missing and what is unknown.
-pub(super) fn rename(columns: &mut [(String, Vec<f64>)], scene: &Scene, notes: &mut Vec<String>) {
+/// Returns why they may be those of another robot.
+pub(super) fn rename(
+    columns: &mut [(String, Vec<f64>)],
+    scene: &Scene,
+    notes: &mut Vec<String>,
+) -> Option<String> {
     let head = &scene.head;
     let mut variables: HashMap<String, Option<&str>> = HashMap::new();
     for variable in &head.variables {
@@ -87,21 +92,20 @@ pub(super) fn rename(columns: &mut [(String, Vec<f64>)], scene: &Scene, notes: &
             listed(&unknown)
         ));
     }
-    missing(scene, &taken, notes);
+    missing(scene, &taken, notes)
 }
 
-/// Says which poses cannot be shown.
-fn missing(scene: &Scene, there: &BTreeSet<String>, notes: &mut Vec<String>) {
+/// Says which poses cannot be shown; the doubt where that is all of them.
+fn missing(scene: &Scene, there: &BTreeSet<String>, notes: &mut Vec<String>) -> Option<String> {
     let head = &scene.head;
     let lacks = |names: &[String]| names.iter().any(|name| !there.contains(name));
     let mut poses = head.tracks().flat_map(|track| &track.variables).peekable();
     if poses.peek().is_some() && !poses.any(|name| there.contains(name)) {
-        notes.push(format!(
+        return Some(format!(
             "No column says where '{}' is, so that it stays where it starts: is it a run of this \
              robot?",
             head.robot
         ));
-        return;
     }
     for root in &head.roots {
         if lacks(&root.position.variables) || lacks(&root.orientation.variables) {
@@ -130,6 +134,7 @@ fn missing(scene: &Scene, there: &BTreeSet<String>, notes: &mut Vec<String>) {
             listed(&still)
         ));
     }
+    None
 }
 
 /// Letters and digits of a name; whatever stands between them is one underscore.

@@ -18,6 +18,8 @@ pub struct Table {
     pub columns: Vec<(String, Vec<f64>)>,
     /// Sentences about what was left out or mended.
     pub notes: Vec<String>,
+    /// Why it may be of another robot.
+    pub doubt: Option<String>,
     /// Names of columns whose cells held several numbers, and how many; their columns are called
     /// `name[1]` and so on.
     pub lists: Vec<(String, usize)>,
@@ -100,7 +102,7 @@ impl Table {
     /// The same with the names of the scene's variables.
     pub fn named(mut self, scene: &Scene) -> Self {
         names::rename_lists(&mut self.columns, &self.lists, scene);
-        names::rename(&mut self.columns, scene, &mut self.notes);
+        self.doubt = names::rename(&mut self.columns, scene, &mut self.notes);
         self
     }
 
@@ -360,6 +362,7 @@ impl Reading {
             time: std::mem::take(&mut self.columns[time]),
             columns,
             notes,
+            doubt: None,
             lists: Vec::new(),
             units: of_columns,
         })
