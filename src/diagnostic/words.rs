@@ -174,6 +174,15 @@ pub fn instead_of(path: &Path, error: &std::io::Error) -> String {
     if path == Path::new("-") && cfg!(unix) {
         return "the name of standard input is /dev/stdin".to_owned();
     }
+    if let Some((scheme, rest)) = path.to_string_lossy().split_once("://") {
+        return match scheme {
+            "file" => format!("write the path alone: {rest}"),
+            "package" => {
+                "give the path of the file: only names within it may be of packages".to_owned()
+            }
+            _ => "nothing is downloaded: fetch the file, and give its path".to_owned(),
+        };
+    }
     let missing = error.kind() == std::io::ErrorKind::NotFound;
     let near = near_file(path).filter(|_| missing);
     near.map_or_else(String::new, |near| {

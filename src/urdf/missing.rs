@@ -9,6 +9,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+/// Endings of files that hold others.
+const PACKED: [&str; 7] = ["gz", "zip", "zae", "bz2", "xz", "7z", "zst"];
+
 /// A collision mesh that is missing.
 pub(super) struct Lost<'d> {
     /// `link 'arm'`.
@@ -54,6 +57,9 @@ pub(super) fn report_unread(scope: &mut Scope, unread: &[Unread]) {
         let path = first.path.display();
         let message = format!("mesh {path} cannot be read{more}: {}", first.message);
         let help = match (&twins[..], list.len() - twins.len()) {
+            ([], _) if is_packed(&first.path) => {
+                "unpack the file, and name what is in it".to_owned()
+            }
             ([], _) => "convert the mesh to STL or OBJ".to_owned(),
             ([twin], 0) => twin.clone(),
             ([twin, ..], 0) => format!("{twin}, and so for the others"),
@@ -169,7 +175,16 @@ pub(super) fn report(
         // Who finds the file would be told next that it cannot be read.
         let unread = names.iter().find_map(|name| mesh::unread_kind(name));
         if let Some(kind) = unread {
-            help = format!("{help}\n.{kind} files are not read: convert them to STL or OBJ");
+            // An address has more behind the ending, and a name may have marks around it.
+            let letters = kind.find(|c: char| !c.is_alphanumeric());
+            let next = match letters.map(|end| &kind[end..]) {
+                Some(more) => format!("leave {more} out, which is no part of a file's name"),
+                None if is_packed(Path::new(&format!("m.{kind}"))) => {
+                    format!(".{kind} files are not read: unpack them, and name what is in them")
+                }
+                None => format!(".{kind} files are not read: convert them to STL or OBJ"),
+            };
+            help = format!("{help}\n{next}");
         }
         if let Some((option, count)) = resolver.advice(&names) {
             let all = if count == names.len() && count == 1 {
@@ -291,4 +306,10 @@ pub(super) fn outside_help(path: &Path, robot: &CheckedRobot, resolver: &Resolve
         "an FMU takes no other files of this machine; if it belongs to the robot, pass --package-path {}",
         folder.unwrap_or_else(leaf).display()
     )
+}
+
+/// Whether a file is named as one that holds another one.
+fn is_packed(path: &Path) -> bool {
+    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+    ending.is_some_and(|ending| PACKED.iter().any(|known| ending == *known))
 }

@@ -53,6 +53,9 @@ pub(super) fn parse(word: &str) -> Result<f64, Unread> {
             unread("U032", "not a finite number", help)
         }
         Ok(number) => Ok(number),
+        Err(_) if ["x", "y", "z"].contains(&word.trim_start_matches('-')) => {
+            no_number("an axis is written as three numbers: \"1 0 0\" is x, \"0 0 -1\" is -z")
+        }
         Err(_) if word.contains(',') => {
             no_number("the decimal sign is a point, and numbers are separated by spaces")
         }

@@ -33,7 +33,12 @@ fn within(scope: &Scope, root: Node, other: &str) -> String {
             "put the <robot> of line {} into a file of its own",
             scope.report.line(robot.tag_at().start)
         ),
-        None => "a URDF starts with <robot name=\"…\">".to_owned(),
+        None => match other {
+            "launch" => "this is a launch file: give the URDF or .xacro file that it loads",
+            "package" => "this is the manifest of a package: give a URDF or .xacro file of it",
+            _ => "a URDF starts with <robot name=\"…\">",
+        }
+        .to_owned(),
     }
 }
 

@@ -18,7 +18,7 @@ fn robot(joint: &str, link: &str) -> String {
 
 /// What `check` says of each text contains the part, and it says nothing of U066; the mended text
 /// loads.
-fn lead_to_what_loads(name: &str, cases: &[(String, &str, String)]) {
+pub(super) fn lead_to_what_loads(name: &str, cases: &[(String, &str, String)]) {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), "meshes/t.stl", tetrahedron());
     write(

@@ -19,6 +19,7 @@ mod info;
 mod init;
 mod meant;
 mod model_description;
+mod newcomers;
 mod offers;
 #[cfg(unix)]
 mod output;

@@ -572,6 +572,8 @@ impl<'t> Builder<'t> {
                     let typeset = |c: char| "“”„‟«»‘’‚".contains(c);
                     let help = if self.text[at.clone()].contains(typeset) {
                         "XML takes \" and ', not the quotation marks of texts, such as “ and ”"
+                    } else if self.text[at.clone()].contains("<!--") {
+                        "a comment within a tag is none: write it before the tag"
                     } else {
                         "an attribute is written name=\"value\", once per element"
                     };
