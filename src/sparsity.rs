@@ -67,7 +67,8 @@ impl Sparsity {
     pub fn new(blocks: &[usize], cliques: &[Vec<usize>]) -> Self {
         let n = blocks.iter().sum();
         let mut coupled = vec![vec![false; n]; n];
-        // Only with the highest of each clique, which comes first: eliminating it couples the others.
+        // Only with the highest of each clique, which comes first: eliminating it couples the
+        // others.
         for clique in cliques {
             let highest = clique.iter().max();
             for (&i, &j) in highest

@@ -184,8 +184,7 @@ pub struct Rest {
     pub description: Description,
     /// Whether it has all its names.
     pub whole: bool,
-    /// Whether nothing else is wrong with it than is told already: it is in xacro, and what is
-    /// proposed makes it a sound robot.
+    /// Whether it is in xacro, and what is proposed makes it a robot that can be read.
     pub sound: bool,
 }
 

@@ -183,8 +183,8 @@ impl Tree {
         }
     }
 
-    /// What the joint of each body lets it do where all joints are at zero: twists about the place of
-    /// the base, world axes, as many as it has columns.
+    /// What the joint of each body lets it do where all joints are at zero: twists about the place
+    /// of the base, world axes, as many as it has columns.
     #[cfg_attr(small, optimize(size))]
     fn twists(&self) -> Vec<[Vec6; 6]> {
         // Parents come before children.

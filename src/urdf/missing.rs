@@ -57,7 +57,10 @@ pub(super) fn report_unread(scope: &mut Scope, unread: &[Unread]) {
         let path = first.path.display();
         let message = format!("mesh {path} cannot be read{more}: {}", first.message);
         let help = match (&twins[..], list.len() - twins.len()) {
-            ([], _) if is_packed(&first.path) => {
+            ([], _)
+                if mesh::unread_kind(&first.path.to_string_lossy())
+                    .is_some_and(|kind| PACKED.contains(&&*kind)) =>
+            {
                 "unpack the file, and name what is in it".to_owned()
             }
             ([], _) => "convert the mesh to STL or OBJ".to_owned(),
@@ -175,16 +178,7 @@ pub(super) fn report(
         // Who finds the file would be told next that it cannot be read.
         let unread = names.iter().find_map(|name| mesh::unread_kind(name));
         if let Some(kind) = unread {
-            // An address has more behind the ending, and a name may have marks around it.
-            let letters = kind.find(|c: char| !c.is_alphanumeric());
-            let next = match letters.map(|end| &kind[end..]) {
-                Some(more) => format!("leave {more} out, which is no part of a file's name"),
-                None if is_packed(Path::new(&format!("m.{kind}"))) => {
-                    format!(".{kind} files are not read: unpack them, and name what is in them")
-                }
-                None => format!(".{kind} files are not read: convert them to STL or OBJ"),
-            };
-            help = format!("{help}\n{next}");
+            help = format!("{help}\n{}", instead_of_kind(&kind));
         }
         if let Some((option, count)) = resolver.advice(&names) {
             let all = if count == names.len() && count == 1 {
@@ -308,8 +302,15 @@ pub(super) fn outside_help(path: &Path, robot: &CheckedRobot, resolver: &Resolve
     )
 }
 
-/// Whether a file is named as one that holds another one.
-fn is_packed(path: &Path) -> bool {
-    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
-    ending.is_some_and(|ending| PACKED.iter().any(|known| ending == *known))
+/// What to do about a name whose ending, in small letters, is that of no mesh that is read.
+fn instead_of_kind(kind: &str) -> String {
+    // An address has more behind the ending, and a name may have marks around it.
+    let letters = kind.find(|c: char| !c.is_alphanumeric());
+    match letters.map(|end| &kind[end..]) {
+        Some(more) => format!("leave {more} out, which is no part of a file's name"),
+        None if PACKED.contains(&kind) => {
+            format!(".{kind} files are not read: unpack them, and name what is in them")
+        }
+        None => format!(".{kind} files are not read: convert them to STL or OBJ"),
+    }
 }

@@ -306,13 +306,13 @@ impl<'r, 'a> Scope<'r, 'a> {
                     "<{}> attribute '{name}' is unknown and ignored",
                     node.name()
                 );
-                let mut help = did_you_mean(name, known.iter().copied());
-                if name.starts_with("quat") && known.contains(&"rpy") {
-                    help = "write quat_xyzw=\"x y z w\", with <robot version=\"1.1\">, or rpy"
-                        .to_owned();
+                let help = if name.starts_with("quat") && known.contains(&"rpy") {
+                    "write quat_xyzw=\"x y z w\", with <robot version=\"1.1\">, or rpy".to_owned()
                 } else if name == "diameter" {
-                    help = "write radius=\"…\", which is half of it".to_owned();
-                }
+                    "write radius=\"…\", which is half of it".to_owned()
+                } else {
+                    did_you_mean(name, known.iter().copied())
+                };
                 self.warning("U019", at, &message, help);
             }
         }

@@ -1,7 +1,7 @@
 //! What comes next once that is done which a run of `check` proposes: it is told in the same run,
 //! so that the second one accepts the robot.
 //!
-//! Each file stands for public ones that needed a third run, which are named in docs/collections.md.
+//! Each file stands for public ones that needed a third run, see docs/collections.md.
 
 use super::packages::field;
 use super::people::{findings, mesh_robot, of_severity, tetrahedron, write};

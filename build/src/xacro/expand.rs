@@ -7,10 +7,10 @@
 //! all that is wrong. What only follows from something that was told is not told.
 
 use super::files::SIGNS;
-use super::foreseen::Proposed;
 use super::macros::{Macro, Macros};
 use super::parameter::parameters;
 use super::problem::{Done, Lacking, Problem, Weight};
+use super::proposed::Proposed;
 use super::sources::{Find, Sources};
 use super::symbols::Entry;
 use super::texts::Texts;

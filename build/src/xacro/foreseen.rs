@@ -5,76 +5,54 @@
 //! use, the file of a name. What depends on a guess, such as a name that is near, is not.
 
 use super::definitions::{self, Unread};
-use super::expand::Expansion;
+use super::expand::{Expansion, MOST_AFTER};
 use super::findings;
 use super::includers;
-use super::macros::Macro;
 use super::problem::{Lacking, Problem};
+use super::proposed::{Proposed, pairs};
 use super::sources::Find;
-use super::symbols::Entry;
 use super::tree::Element;
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::path::Path;
 use urdf2fmu_core::diagnostic::Diagnostic;
 
 /// Expansions after the first one. Each costs as much as the first, and what is behind three
 /// messages is rarely a robot.
 const MOST: usize = 3;
 
-/// What is taken as done.
-#[derive(Default)]
-pub(super) struct Proposed {
-    pub arguments: BTreeMap<String, String>,
-    pub macros: BTreeMap<String, Rc<Macro>>,
-    pub properties: BTreeMap<String, Entry>,
-    /// Files that define what is missing, included before all else.
-    pub files: Vec<PathBuf>,
-    /// Paths at which there is no file, and those that are meant.
-    pub meant: BTreeMap<PathBuf, PathBuf>,
-}
-
-impl Proposed {
-    /// Adds what is proposed for the problems of an expansion; whether that is anything.
-    fn add(&mut self, path: &Path, expansion: &Expansion, unread: &mut Unread) -> bool {
-        let before = self.count();
-        let texts = &expansion.texts;
-        let problems = &expansion.problems;
-        for (name, known) in findings::lacking_arguments(path, texts, problems) {
-            let value = known.map(|known| known.value);
-            self.arguments.extend(value.map(|value| (name, value)));
-        }
-        for problem in problems {
-            match &problem.lacking {
-                Some(Lacking::Macro(name)) => {
-                    let own = expansion.macros.own(name);
-                    self.macros.extend(own.map(|own| (name.clone(), own)));
-                }
-                Some(Lacking::Property(name)) => {
-                    let own = texts.symbols.own(name).cloned();
-                    self.properties.extend(own.map(|own| (name.clone(), own)));
-                }
-                Some(Lacking::File(absent)) => {
-                    let meant = findings::namesake(absent);
-                    self.meant
-                        .extend(meant.map(|meant| (absent.clone(), meant)));
-                }
-                _ => {}
+/// Adds what is proposed for the problems of an expansion; whether that is anything.
+fn add(proposed: &mut Proposed, path: &Path, expansion: &Expansion, unread: &mut Unread) -> bool {
+    let before = proposed.count();
+    let texts = &expansion.texts;
+    let problems = &expansion.problems;
+    for (name, known) in findings::lacking_arguments(path, texts, problems) {
+        let value = known.map(|known| known.value);
+        proposed.arguments.extend(value.map(|value| (name, value)));
+    }
+    for problem in problems {
+        match &problem.lacking {
+            Some(Lacking::Macro(name)) => {
+                let own = expansion.macros.own(name);
+                proposed.macros.extend(own.map(|own| (name.clone(), own)));
             }
-            let file = definitions::not_included(path, texts, problem, unread);
-            let file = file.filter(|file| !self.files.contains(file));
-            self.files.extend(file);
+            Some(Lacking::Property(name)) => {
+                let own = texts.symbols.own(name).cloned();
+                proposed
+                    .properties
+                    .extend(own.map(|own| (name.clone(), own)));
+            }
+            Some(Lacking::File(absent)) => {
+                let meant = findings::namesake(absent);
+                proposed
+                    .meant
+                    .extend(meant.map(|meant| (absent.clone(), meant)));
+            }
+            _ => {}
         }
-        self.count() > before
+        let file = definitions::not_included(path, texts, problem, unread);
+        let file = file.filter(|file| !proposed.files.contains(file));
+        proposed.files.extend(file);
     }
-
-    fn count(&self) -> usize {
-        self.arguments.len()
-            + self.macros.len()
-            + self.properties.len()
-            + self.files.len()
-            + self.meant.len()
-    }
+    proposed.count() > before
 }
 
 /// Findings of an expansion that is refused, and of what comes next; the last of the expansions,
@@ -94,13 +72,17 @@ pub(super) fn all<'f>(
     // Who is to give another file needs no more of this one.
     let part = findings::may_be_part(&expansion.problems) && includers::advice(path).is_some();
     for _ in 0..MOST {
-        if part || !proposed.add(path, &expansion, &mut unread) {
+        // Nor is what goes on for long looked at again.
+        if part
+            || expansion.after > MOST_AFTER
+            || !add(&mut proposed, path, &expansion, &mut unread)
+        {
             break;
         }
         let mut given: Vec<String> = arguments.to_vec();
-        let pairs = proposed.arguments.iter();
-        given.extend(pairs.map(|(name, value)| format!("{name}:={value}")));
-        let mut next = Expansion::new(super::pairs(&given), find);
+        let more = proposed.arguments.iter();
+        given.extend(more.map(|(name, value)| format!("{name}:={value}")));
+        let mut next = Expansion::new(pairs(&given), find);
         let Some(next_root) = next.document_with(path, &proposed) else {
             break;
         };

@@ -26,6 +26,7 @@ mod origins;
 mod parameter;
 mod parse;
 mod problem;
+mod proposed;
 mod recover;
 mod sources;
 mod symbols;
@@ -132,15 +133,6 @@ fn defines(text: &str) -> bool {
     false
 }
 
-/// Arguments by their names.
-fn pairs(arguments: &[String]) -> BTreeMap<String, String> {
-    let pairs = arguments
-        .iter()
-        .filter_map(|argument| argument.split_once(":="));
-    let pairs = pairs.map(|(name, value)| (name.trim().to_owned(), value.trim().to_owned()));
-    pairs.collect()
-}
-
 /// The expanded text, and a note that says so.
 ///
 /// - `arguments`: `name:=value`
@@ -154,7 +146,7 @@ pub fn expand(
     options: &ReadOptions,
 ) -> Result<Expanded, Box<Refused>> {
     let find = urdf::package_finder(folder::of(path), options);
-    let mut expansion = Expansion::new(pairs(arguments), &find);
+    let mut expansion = Expansion::new(proposed::pairs(arguments), &find);
     let shown = command::command_line(path, arguments);
     let note = |message: String| Diagnostic {
         severity: Severity::Note,
