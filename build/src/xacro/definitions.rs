@@ -149,7 +149,7 @@ fn nearer(texts: &Texts, problem: &Problem, name: &str) -> Option<String> {
         names.extend(tags.filter_map(|tag| attribute(tag, "name")));
     }
     let offered = match &problem.meant {
-        Some(Meant::Name(name)) => Some(name.as_str()),
+        Some(Meant::Name(name)) => Some(&**name),
         _ => None,
     };
     let near = nearest(name, names.iter().map(String::as_str).chain(offered))?;

@@ -23,9 +23,16 @@ pub struct Problem {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Meant {
     /// A name that is near.
-    Name(String),
+    Name(Box<str>),
     /// What to do.
-    Advice(String),
+    Advice(Box<str>),
+}
+
+impl Meant {
+    /// What to do.
+    pub fn advice(text: String) -> Self {
+        Self::Advice(text.into())
+    }
 }
 
 impl std::fmt::Display for Meant {
@@ -74,14 +81,14 @@ pub enum Weight {
 impl Problem {
     /// With the name of `known` that is nearest to `word`, if one is near.
     pub fn meant<'k>(self, word: &str, known: impl IntoIterator<Item = &'k str>) -> Self {
-        let meant = nearest(word, known).map(|near| Meant::Name(near.to_owned()));
+        let meant = nearest(word, known).map(|near| Meant::Name(near.into()));
         let meant = self.meant.clone().or(meant);
         Self { meant, ..self }
     }
 
     /// With what may be meant, where nothing is known of it yet.
     pub fn or_meant(self, meant: impl FnOnce() -> Option<String>) -> Self {
-        let meant = self.meant.clone().or_else(|| meant().map(Meant::Advice));
+        let meant = self.meant.clone().or_else(|| meant().map(Meant::advice));
         Self { meant, ..self }
     }
 
@@ -90,7 +97,7 @@ impl Problem {
         let own = element.attributes.iter().map(|(own, _)| own.as_str());
         let near = nearest(name, own.filter(|own| *own != "name"));
         let meant = near.map(|near| format!("did you mean '{name}' by '{near}'?"));
-        let meant = meant.map(Meant::Advice);
+        let meant = meant.map(Meant::advice);
         Self { meant, ..self }
     }
 

@@ -130,7 +130,7 @@ impl<'f> Sources<'f> {
             file: path.to_owned(),
             at: wrong.at,
             lacking: wrong.of_tags.then_some(Lacking::Tag),
-            meant: wrong.help.map(Meant::Advice),
+            meant: wrong.help.map(Meant::advice),
             ..self.problem(wrong.message)
         };
         let mut wrong = wrong.into_iter().map(problem);
@@ -224,7 +224,7 @@ impl<'f> Sources<'f> {
                         or leave it out";
             let none = Problem {
                 lacking: Some(Lacking::File(folder.join(pattern))),
-                meant: Some(Meant::Advice(help.to_owned())),
+                meant: Some(Meant::advice(help.to_owned())),
                 ..self.problem(format!(
                     "no file matches '{pattern}': this <xacro:include> includes nothing"
                 ))
@@ -272,7 +272,7 @@ impl<'f> Sources<'f> {
         };
         if let Some(remark) = found.remark {
             let problem = self.problem(remark.message);
-            let meant = Some(Meant::Advice(remark.help));
+            let meant = Some(Meant::advice(remark.help));
             self.tell(remark.severity, Problem { meant, ..problem });
         }
         let folder = std::path::absolute(&found.folder).unwrap_or(found.folder);

@@ -189,7 +189,7 @@ impl<'f> Texts<'f> {
             let meant = format!(
                 "<xacro:property name=\"{name}\"> has no attribute 'value', so that it is a block"
             );
-            let meant = Some(Meant::Advice(meant));
+            let meant = Some(Meant::advice(meant));
             return Problem { meant, ..problem };
         }
         let own = self
@@ -327,7 +327,7 @@ impl Names for Scoped<'_, '_> {
                 .sources
                 .problem(format!("{}: {error}", path.display()));
             let meant = "correct that file: it is no YAML that could be read".to_owned();
-            let meant = Some(Meant::Advice(meant));
+            let meant = Some(Meant::advice(meant));
             Problem { meant, ..problem }
         });
         self.told(read)

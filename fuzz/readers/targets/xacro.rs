@@ -24,6 +24,8 @@ mod parameter;
 mod parse;
 #[path = "../../../build/src/xacro/problem.rs"]
 mod problem;
+#[path = "../../../build/src/xacro/proposed.rs"]
+mod proposed;
 #[path = "../../../build/src/xacro/recover.rs"]
 mod recover;
 #[path = "../../../build/src/xacro/sources.rs"]
