@@ -304,6 +304,8 @@ impl Readout {
             }
             O::State(id) => self.states.value(id.index(), physical),
             O::Rate(id) => self.rates(ctx, state)[id.index()],
+            // What acts is known where an importer integrates, see [`Events`].
+            O::Indicator => 1.0,
             O::Steps => count(stepping.counters.steps),
             O::Rejected => count(stepping.counters.rejected),
             O::NewtonMax => count(stepping.counters.newton_max),

@@ -174,6 +174,8 @@ pub enum OutputSlot {
     State(StateId),
     /// Derivative of a continuous state.
     Rate(StateId),
+    /// How far from leaving is what touches, where an importer integrates; the event indicator.
+    Indicator,
     /// Steps taken since the start.
     Steps,
     /// Steps rejected since the start.
@@ -215,7 +217,12 @@ impl OutputSlot {
     /// Whether it says how the solver fares, or what it integrates: nothing that another model is
     /// connected to.
     pub fn local(self) -> bool {
-        self.counts() || matches!(self, Self::State(_) | Self::Rate(_))
+        self.counts() || matches!(self, Self::State(_) | Self::Rate(_) | Self::Indicator)
+    }
+
+    /// Whether it is listed among the unknowns at the start.
+    pub fn begins(self) -> bool {
+        !self.counts() && self != Self::Indicator
     }
 
     /// Whether it says how the solver fares.

@@ -762,6 +762,10 @@ pub const CLOSING_SPREAD: f64 = 1.5;
 /// at a tenth of its tolerance, and is then off by at most that. At 0.5 and at 1e9 fails
 /// `a_joint_that_has_left_its_limit_is_announced_unless_its_motor_holds_it`.
 pub const HELD: f64 = 10.0;
+/// Speed at which what touches has left although it still overlaps, in those from which on nothing
+/// pushes it. At 1 it would cross that speed again and again: with 1 and with 1e9 fails
+/// `test_what_has_landed_stays_on_the_ground`.
+pub const LEFT: f64 = 2.0;
 /// Longest time until the next event where shapes could pass each other, s: an event costs an
 /// implicit integrator a Jacobian, and after each of its steps it is told whether it has to come
 /// earlier. At 0.01 fails `what_falls_on_thin_things_is_announced_in_time`.

@@ -234,7 +234,8 @@ impl Follows {
             | OutputSlot::EnergyKinetic
             | OutputSlot::EnergyPotential
             | OutputSlot::State(_)
-            | OutputSlot::Rate(_) => return None,
+            | OutputSlot::Rate(_)
+            | OutputSlot::Indicator => return None,
         })
     }
 

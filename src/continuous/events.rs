@@ -6,34 +6,48 @@
 //!    places a ball may pass a shelf, or a floor that is a mesh, and nothing has been felt of it.
 //!    So there is a *time event* before two shapes can have passed each other, see [`may_pass`];
 //!    planned anew at each event, and brought forward where velocities have grown since.
-//! 2. What leaves the ground keeps a slope of 10⁵/s until it has left, and none after that. An
-//!    implicit method that goes on with the slopes of before takes any residual for the error of a
-//!    converged solution: CVODE at 1e-4 let balls hover at 2 cm/s, and threw a cube 46 m high. So
-//!    there is an *event* after a step at whose end something acts no more: two shapes have ceased
-//!    to overlap, or a joint has left its limit, and the integrator begins anew. What begins to act
-//!    needs none: the slopes of before are too small then, and the solution does not converge.
-//! 3. It may have begun to act after the last event, also within a step: an importer may take many
-//!    steps of its integrator for one, as `FMPy` does from one output to the next. So a joint that
-//!    came to its limit and left it within 4 ms hovered there for a second. Therefore limits count
-//!    that have acted where derivatives were asked for. Contacts do not: trial places of the
-//!    integrator are in the ground where its steps are not, and each event costs a Jacobian.
+//! 2. What leaves the ground keeps a slope of 10⁵/s until nothing pushes it any more, and none
+//!    after that. An implicit method that goes on with the slopes of before takes any residual for
+//!    the error of a converged solution: CVODE at 1e-4 let balls hover at 2 cm/s, and threw a cube
+//!    46 m high. So there is a *state event* where something has left, and the integrator begins
+//!    anew. What begins to act needs none: the slopes of before are too small then, and the
+//!    solution does not converge.
+//! 3. Nothing pushes what leaves faster than `v_e`, see [`Damping`](crate::law::Damping). What has
+//!    been pressed in leaves just below `v_e`, by less than the tolerance, so it would cross `v_e`
+//!    again and again. At `2 v_e` it has surely gone astray, and falls back for `v_e/g`, 2 ms. So it
+//!    has left where the shapes overlap no more, or where they part with [`LEFT`] times `v_e`.
+//! 4. The one *event indicator* is the least margin of all contacts, in parts of the depth for
+//!    which a spring is made and of `v_e`; 1 where nothing touches. An integrator watches it at the
+//!    end of each of its own steps, of which an importer such as `FMPy` may take many for one. A
+//!    contact counts from the first time on that the indicator is asked for. Trial places of the
+//!    integrator do not count: they are in the ground where its steps are not, and each event costs
+//!    a Jacobian.
+//! 5. Limits of joints are shorter than the tolerance of an angle: there it matters what trial
+//!    places have felt. So a step event comes where a limit has acted, also where nothing but
+//!    derivatives were asked for, and acts no more. A joint that came to its limit and left it
+//!    within 4 ms hovered there for a second.
 //!
 //! Nothing that is integrated depends on them.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use crate::force::{Contact, can_pass, may_pass};
+use crate::model::Model;
 use crate::spatial::Vec6;
 use crate::step::point::{Context, Point};
 use crate::tree::Tree;
-use crate::tuning::{LEAST_PLAN, PLAN};
+use crate::tuning::{LEAST_PLAN, LEFT, PLAN};
 
-/// What was known at the last event.
+/// What was known at the last event, and what has begun to act since.
 #[derive(Clone, Debug)]
 pub struct Events {
-    /// What acted at the last event or has acted since, in any order, see [`find_acting`].
-    acted: Vec<usize>,
-    /// Scratch for what acts.
+    /// Slots of contacts that act, in any order.
+    touching: Vec<usize>,
+    /// Scratch for slots of shapes that overlap.
+    overlapping: Vec<usize>,
+    /// Limits of joints that have acted, see [`find_stopped`].
+    stopped: Vec<usize>,
+    /// Scratch for those that act.
     now: Vec<usize>,
     /// Whether that is known of the present run.
     known: bool,
@@ -48,14 +62,21 @@ impl Events {
     ///
     /// - `contacts`: how many there may be
     pub fn new(tree: &Tree, contacts: usize) -> Self {
-        let most = contacts + 2 * tree.dofs.weight.len();
+        let limits = 2 * tree.dofs.weight.len();
         Self {
-            acted: Vec::with_capacity(most),
-            now: Vec::with_capacity(most),
+            touching: Vec::with_capacity(contacts),
+            overlapping: Vec::with_capacity(contacts),
+            stopped: Vec::with_capacity(limits),
+            now: Vec::with_capacity(limits),
             known: false,
             next: f64::INFINITY,
             passes: can_pass(tree),
         }
+    }
+
+    /// How many indicators a model has: none where nothing can touch.
+    pub fn indicators(model: &Model) -> usize {
+        usize::from(model.contact_room()[0] > 0)
     }
 
     /// The state is another one, of which nothing is known.
@@ -73,14 +94,17 @@ impl Events {
         (point, A): (&Point, &[Vec6]),
         time: f64,
     ) -> Option<f64> {
-        find_acting(ctx, point, &mut self.acted);
+        self.touching.clear();
         self.known = true;
+        self.note(point);
+        find_stopped(ctx, point, &mut self.stopped);
         self.next = f64::INFINITY;
         if !self.passes {
             return None;
         }
+        self.find_overlapping(point);
         let mut h = PLAN;
-        while h > LEAST_PLAN && may_pass(ctx.tree, &point.kin, A, h, &self.acted) {
+        while h > LEAST_PLAN && may_pass(ctx.tree, &point.kin, A, h, &self.overlapping) {
             h *= 0.5;
         }
         self.next = time + h;
@@ -90,53 +114,98 @@ impl Events {
     /// Takes note of limits of joints that act where derivatives are asked for.
     pub fn watch(&mut self, ctx: &Context, point: &Point) {
         if self.known {
-            self.now.clear();
-            add_stopped(ctx, point, &mut self.now);
-            for acts in &self.now {
-                if !self.acted.contains(acts) {
-                    self.acted.push(*acts);
+            find_stopped(ctx, point, &mut self.now);
+            for limit in &self.now {
+                if !self.stopped.contains(limit) {
+                    self.stopped.push(*limit);
                 }
             }
         }
     }
 
-    /// Whether a step that ends at `time`, s, ends in an event.
-    pub fn has_come(&mut self, ctx: &Context, (point, A): (&Point, &[Vec6]), time: f64) -> bool {
+    /// Takes note of contacts that have begun.
+    fn note(&mut self, point: &Point) {
+        let touching = &mut self.touching;
+        for (slot, margin) in margins(point) {
+            // Who takes no part in events leaves in the list what has left.
+            let has_room = touching.len() < touching.capacity();
+            if margin > 0.0 && has_room && !touching.contains(&slot) {
+                touching.push(slot);
+            }
+        }
+    }
+
+    /// The least margin of all contacts.
+    pub fn margin(&self, point: &Point) -> f64 {
         if !self.known {
+            return 1.0;
+        }
+        let of_all = margins(point).filter(|(slot, _)| self.touching.contains(slot));
+        let (found, least) = of_all.fold((0, 1.0_f64), |(found, least), (_, margin)| {
+            (found + 1, least.min(margin))
+        });
+        // What is not found is far apart.
+        if found < self.touching.len() {
+            least.min(-1.0)
+        } else {
+            least
+        }
+    }
+
+    /// The event indicator at the end of a step of the integrator.
+    pub fn indicate(&mut self, point: &Point) -> f64 {
+        if self.known {
+            self.note(point);
+        }
+        self.margin(point)
+    }
+
+    /// Whether a step of the importer that ends at `time`, s, ends in an event.
+    pub fn has_come(&mut self, ctx: &Context, (point, A): (&Point, &[Vec6]), time: f64) -> bool {
+        if !self.known || self.indicate(point) <= 0.0 {
             return true;
         }
-        find_acting(ctx, point, &mut self.now);
-        let ended = self.acted.iter().any(|acts| !self.now.contains(acts));
-        if !ended {
-            self.acted.clone_from(&self.now);
+        find_stopped(ctx, point, &mut self.now);
+        if self.stopped.iter().any(|limit| !self.now.contains(limit)) {
+            return true;
         }
+        self.stopped.clone_from(&self.now);
         let left = self.next - time;
-        ended
-            || self.passes
-                && left > LEAST_PLAN
-                && may_pass(ctx.tree, &point.kin, A, left, &self.now)
+        if !self.passes || left <= LEAST_PLAN {
+            return false;
+        }
+        self.find_overlapping(point);
+        may_pass(ctx.tree, &point.kin, A, left, &self.overlapping)
+    }
+
+    /// Lists the slots of contacts whose shapes overlap.
+    fn find_overlapping(&mut self, point: &Point) {
+        let set = &point.terms.contacts;
+        let overlaps = |c: &&Contact| c.depth > 0.0;
+        let slots = set.iter().filter(overlaps).map(|contact| contact.slot);
+        self.overlapping.clear();
+        self.overlapping.extend(slots);
     }
 }
 
-/// Lists the slots of contacts whose shapes overlap, ascending, then the limits of joints that act.
-fn find_acting(ctx: &Context, point: &Point, acting: &mut Vec<usize>) {
-    acting.clear();
-    let set = &point.terms.contacts;
-    let overlaps = |c: &&Contact| c.depth > 0.0;
-    acting.extend(set.iter().filter(overlaps).map(|contact| contact.slot));
-    add_stopped(ctx, point, acting);
+/// The slot of each contact that is near, and the margin that it has before it has left.
+fn margins(point: &Point) -> impl Iterator<Item = (usize, f64)> + '_ {
+    let (set, V) = (&point.terms.contacts, &point.kin.V);
+    set.iter().map(|contact| {
+        let leaving = contact.weights * contact.normal_velocity(&set.points, V);
+        let speed = LEFT - leaving / contact.damping.fastest;
+        let depth = contact.depth / contact.spring.reference;
+        (contact.slot, depth.min(speed))
+    })
 }
 
-/// Adds the limits of joints that act, by numbers that no slot has: from the largest one downwards,
-/// two for each degree of freedom.
+/// Lists the limits of joints that act: two numbers for each degree of freedom.
 #[cfg_attr(small, optimize(size))]
-fn add_stopped(ctx: &Context, point: &Point, acting: &mut Vec<usize>) {
+fn find_stopped(ctx: &Context, point: &Point, stopped: &mut Vec<usize>) {
+    stopped.clear();
     for term in &point.terms.joints {
-        let stopped = term.is_stopped(ctx.tree.limit_load(term.dof));
-        for (side, stopped) in stopped.into_iter().enumerate() {
-            if stopped {
-                acting.push(usize::MAX - 2 * term.dof - side);
-            }
-        }
+        let acts = term.is_stopped(ctx.tree.limit_load(term.dof));
+        let sides = acts.into_iter().enumerate().filter(|(_, acts)| *acts);
+        stopped.extend(sides.map(|(side, _)| 2 * term.dof + side));
     }
 }

@@ -404,7 +404,7 @@ fn what_falls_on_thin_things_is_announced_in_time() {
         }
         assert!(events < 20, "{events}");
         s.plan_event();
-        assert!(!s.has_event(), "it goes on touching");
+        assert!(s.indicator() > 0.0 && !s.has_event(), "it goes on touching");
         // Half a millimetre apart, where they part.
         let mut physical = s.state().physical.clone();
         physical.q[2] = reach + 5e-4;
@@ -412,8 +412,48 @@ fn what_falls_on_thin_things_is_announced_in_time() {
         let mut x = vec![0.0; s.states().len()];
         s.states().read(&physical, &mut x);
         s.set_states(&x);
-        assert!(s.has_event(), "a contact has ended");
+        assert!(s.indicator() < 0.0 && s.has_event(), "a contact has ended");
     }
+}
+
+/// A ball in the ground that rises at half and at one and a half of the speed from which on nothing
+/// pushes it goes on touching; at two and a half it has left, and is no event any more after it.
+#[test]
+fn what_leaves_faster_than_anything_pushes_it_has_left() {
+    let ball = Shape::Sphere { radius: 0.05 };
+    let mut model = single(&ball, Vec3::z() * 0.05);
+    model.world.ground = Some(Ground::default());
+    model.outputs.interface = Interface::Both;
+    let mut s = exchanged(model);
+    let pushed_below = 1.0 / s.tree().contact.dissipation;
+    let at = |s: &mut Simulation, rise: f64, share: f64| {
+        let mut physical = s.state().physical.clone();
+        (physical.q[2], physical.v[5]) = (0.05 + rise, share * pushed_below);
+        let mut x = vec![0.0; s.states().len()];
+        s.states().read(&physical, &mut x);
+        derivatives(s, &x);
+    };
+    let apart = 1e-3;
+    at(&mut s, apart, 0.0);
+    s.plan_event();
+    assert!(s.indicator() >= 1.0, "nothing touches");
+    // A trial place does not count.
+    at(&mut s, -1e-4, 0.0);
+    at(&mut s, apart, 0.0);
+    assert!(s.indicator() >= 1.0 && !s.has_event());
+    for (share, left) in [(0.5, false), (1.5, false), (2.5, true)] {
+        at(&mut s, -1e-4, 0.0);
+        assert!(s.indicator() > 0.0, "it touches");
+        at(&mut s, -1e-4, share);
+        let indicator = s.reading().margin();
+        assert_eq!(indicator < 0.0, left, "{share}: {indicator}");
+        assert!(s.indicator() == indicator && s.has_event() == left);
+    }
+    s.plan_event();
+    assert!(
+        s.indicator() >= 1.0 && !s.has_event(),
+        "it has left already"
+    );
 }
 
 /// A joint of 1 kg·m² at its limit, with a stiffness of 10⁶ N·m/rad there, that a motor of as much

@@ -115,6 +115,7 @@ impl Readout {
             | O::EnergyPotential
             | O::State(_)
             | O::Rate(_)
+            | O::Indicator
             | O::Steps
             | O::Rejected
             | O::NewtonMax => return None,

@@ -23,6 +23,18 @@ impl Readout {
         events.watch(ctx, &self.point);
     }
 
+    /// See [`Events::margin`].
+    pub fn margin(&mut self, ctx: &Context, state: &State, events: &Events) -> f64 {
+        self.at(ctx, state, Level::Forces);
+        events.margin(&self.point)
+    }
+
+    /// See [`Events::indicate`].
+    pub fn indicate(&mut self, ctx: &Context, state: &State, events: &mut Events) -> f64 {
+        self.at(ctx, state, Level::Forces);
+        events.indicate(&self.point)
+    }
+
     /// See [`Events::update`].
     pub fn plan(&mut self, ctx: &Context, state: &State, events: &mut Events) -> Option<f64> {
         self.at(ctx, state, Level::BodyAccelerations);

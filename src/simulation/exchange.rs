@@ -63,8 +63,14 @@ impl Simulation {
         self.reading().plan_event()
     }
 
-    /// Whether a step of the outside that ends here ends in an event: what acts is not what acted
-    /// at the last one, or shapes may pass each other before the one that is planned.
+    /// The event indicator at the end of a step of the integrator outside: below 0 where something
+    /// has left that acted, see [`Events`](crate::continuous::Events).
+    pub fn indicator(&mut self) -> f64 {
+        self.reading().indicate()
+    }
+
+    /// Whether a step of the outside that ends here ends in an event: something has left that
+    /// acted, or shapes may pass each other before the event that is planned.
     pub fn has_event(&mut self) -> bool {
         self.reading().has_event()
     }

@@ -109,6 +109,25 @@ impl<'a> Reading<'a> {
         self.readout.plan(&self.ctx, state, events)
     }
 
+    /// The least margin of what acts where the outside integrates, see [`Simulation::indicator`];
+    /// asking for it changes nothing.
+    #[cfg_attr(small, optimize(size))]
+    pub fn margin(&mut self) -> f64 {
+        self.posed.as_deref().map_or(1.0, |posed| {
+            let (state, events) = (&posed.state, &posed.events);
+            self.readout.margin(&self.ctx, state, events)
+        })
+    }
+
+    /// See [`Simulation::indicator`].
+    #[cfg_attr(small, optimize(size))]
+    pub(super) fn indicate(self) -> f64 {
+        self.posed.map_or(1.0, |posed| {
+            let (state, events) = (&posed.state, &mut posed.events);
+            self.readout.indicate(&self.ctx, state, events)
+        })
+    }
+
     /// See [`Simulation::has_event`].
     pub(super) fn has_event(self) -> bool {
         self.posed.is_some_and(|posed| {

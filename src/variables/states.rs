@@ -2,7 +2,7 @@
 
 use super::build::{Row, Table, XYZ, axes, identifier, units};
 use super::row::{Slot, Unit};
-use crate::continuous::{Element, Relaxing, States};
+use crate::continuous::{Element, Events, Relaxing, States};
 use crate::model::{JointId, LinkId, StateId};
 use crate::parameters::Parameters;
 use crate::slots::OutputSlot;
@@ -30,6 +30,11 @@ impl Table<'_> {
         }
         for (id, row) in (0..).map(StateId).zip(rows) {
             self.derivative_of(row, id);
+        }
+        if Events::indicators(self.model) > 0 {
+            let about = about!("How far from leaving is what touches; below 0 an event");
+            let row = Row::output(OutputSlot::Indicator, Unit::One, about);
+            self.add(format_args!("event.leaving"), "the event indicator", row);
         }
     }
 

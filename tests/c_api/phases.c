@@ -84,7 +84,7 @@ CALL(integrator, fmu.CompletedIntegratorStep(c, fmi2True, &boolean, &boolean))
 CALL(set_time, fmu.SetTime(c, 0.0))
 CALL(set_states, fmu.SetContinuousStates(c, x, ME_STATES))
 CALL(derivatives, fmu.GetDerivatives(c, rates, ME_STATES))
-CALL(indicators, fmu.GetEventIndicators(c, NULL, 0))
+CALL(indicators, fmu.GetEventIndicators(c, rates, 1))
 CALL(get_states, fmu.GetContinuousStates(c, rates, ME_STATES))
 CALL(nominals, fmu.GetNominalsOfContinuousStates(c, rates, ME_STATES))
 

@@ -29,7 +29,7 @@ def commanded(description, pieces):
 
 def run(fmu, kind, tolerance=1e-4, **options):
     if kind == "CoSimulation":
-        options["start_values"] = {"solver.tolerance": tolerance}
+        options["start_values"] = {**options.get("start_values", {}), "solver.tolerance": tolerance}
     with redirect_stdout(io.StringIO()):
         return fmpy.simulate_fmu(str(fmu), fmi_type=kind, relative_tolerance=tolerance,
                                  output_interval=1 / 240, **options)
@@ -87,22 +87,6 @@ def test_integrators_get_over_a_light_joint_at_its_limit(pybullet_data, export):
         table = commanded(description, [(0, 1, speed, speed), (1, 2, speed, -speed)])
         result = run(fmu, "ModelExchange", input=table, output=["base.position.y"], stop_time=2)
         assert result["base.position.y"][-1] < -0.3, "it drives"
-
-
-@pytest.mark.parametrize("file", ["sphere_small.urdf", "cube_small.urdf", "soccerball.urdf"])
-def test_what_has_landed_stays_on_the_ground(file, pybullet_data, export):
-    """Balls and a cube that fall 5 to 180 mm on the plane at 1e-4 lie where they began to stand, to 1 mm. Before there
-    were events, CVODE went on with the slopes of the contact when it had ended: 20 of 149 such runs hovered, and a cube
-    was 46 m high after a second."""
-    fmu = export(pybullet_data / file, "", "--interface", "both")
-    description = fmpy.read_model_description(str(fmu))
-    height = float(next(v.start for v in description.modelVariables if v.name == "initial.base.position.z"))
-    for drop in np.arange(0.005, 0.18, 0.0127):
-        result = run(fmu, "ModelExchange", stop_time=1, start_values={"initial.base.position.z": height + drop},
-                     output=["base.position.z"])
-        landed = result["time"] > np.sqrt(2 * drop / 9.81) + 0.2
-        off = np.abs(result["base.position.z"][landed] - height).max()
-        assert off < 1e-3, (drop, off)
 
 
 FLOOR = """solid floor

@@ -44,6 +44,8 @@ pub fn model_description(
         .license
         .as_deref()
         .unwrap_or("See documentation/licenses/license.txt");
+    let is_indicator = |v: &&Variable| v.slot == Slot::Output(OutputSlot::Indicator);
+    let indicators = table.iter().filter(is_indicator).count();
     root.with_attribute(("fmiVersion", "2.0"))
         .with_attribute(("modelName", clean(header.model_name).as_str()))
         .with_attribute(("guid", header.guid))
@@ -52,7 +54,7 @@ pub fn model_description(
         .with_attribute(("generationTool", TOOL))
         .with_attribute(("generationDateAndTime", header.date))
         .with_attribute(("variableNamingConvention", naming(model)))
-        .with_attribute(("numberOfEventIndicators", "0"))
+        .with_attribute(("numberOfEventIndicators", indicators.to_string().as_str()))
         .write_inner_content(|xml| {
             let interface = model.outputs.interface;
             if interface.exchanges() {
@@ -207,7 +209,7 @@ fn model_structure(xml: &mut Writer<Vec<u8>>, model: &Model, table: &[Variable])
     };
     let outputs = listed(|v, _| v.causality() == Causality::Output);
     let rates = listed(|_, slot| matches!(slot, OutputSlot::Rate(_)));
-    let initial = listed(|_, slot| !slot.counts());
+    let initial = listed(|_, slot| slot.begins());
     let own = |v: &Variable| {
         if exchanges {
             structure::dependencies(table, v)

@@ -301,7 +301,8 @@ fn model_structure(
         .iter()
         .filter(|entry| is_rate(table[entry.rows[0] as usize].slot))
         .collect();
-    let initial = listed(|row| matches!(row.slot, Slot::Output(slot) if !slot.counts()));
+    let indicators = listed(|row| row.slot == Slot::Output(OutputSlot::Indicator));
+    let initial = listed(|row| matches!(row.slot, Slot::Output(slot) if slot.begins()));
     // Rows are counted from 1.
     let references = |rows: Option<Vec<Vec<usize>>>| {
         rows.map(|rows| {
@@ -342,6 +343,10 @@ fn model_structure(
                 let dependencies = references(entry.rows.iter().map(of_row).collect());
                 let reference = entry.value_reference;
                 unknown(xml, "InitialUnknown", reference, dependencies.as_ref())?;
+            }
+            for entry in &indicators {
+                let reference = entry.value_reference;
+                unknown(xml, "EventIndicator", reference, own(entry).as_ref())?;
             }
             Ok(())
         })?;

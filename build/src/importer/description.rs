@@ -86,6 +86,8 @@ impl Description {
             match name.as_str() {
                 "fmiModelDescription" => {
                     states.indicators = description.identify(&attributes)?;
+                    let tool = attributes.text("generationTool").unwrap_or_default();
+                    states.announced = tool.starts_with("urdf2fmu ");
                 }
                 "CoSimulation" => {
                     co_simulation = Some(attributes.required("modelIdentifier")?);
@@ -198,7 +200,7 @@ impl Description {
         self.interface = Interface::ModelExchange;
         // Steps of the importer may end anywhere.
         self.variable_step = true;
-        if states.indicators > 0 {
+        if states.indicators > 0 && !states.announced {
             return Err(DescriptionError::Indicators {
                 count: states.indicators,
             });
@@ -356,6 +358,8 @@ mod tests {
             refused.to_string().contains("2 event indicators"),
             "{refused}"
         );
+        let announced = events.replacen("guid", "generationTool=\"urdf2fmu 0.1\" guid", 1);
+        Description::parse(&announced).expect("a step tells of them");
         let three = exchange_of(7);
         let description = Description::parse(&three).expect("Model Exchange of FMI 3");
         assert_eq!(description.states, ["p.x", "p.y"]);

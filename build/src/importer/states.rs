@@ -15,6 +15,9 @@ pub(super) struct States {
     pub rates: Vec<u32>,
     /// Number of event indicators.
     pub indicators: u32,
+    /// Whether their events may be as late as the end of a step, which tells of them: so it is with
+    /// FMUs of this program.
+    pub announced: bool,
 }
 
 impl States {

@@ -5,6 +5,8 @@ use crate::error::FmiError;
 use crate::phase::Phase;
 use crate::pointers::{In, Out};
 use urdf2fmu_core::range::Range;
+use urdf2fmu_core::slots::OutputSlot;
+use urdf2fmu_core::variables::{Slot, Variable};
 
 impl Instance {
     /// Number of continuous states.
@@ -111,12 +113,22 @@ impl Instance {
         Ok(())
     }
 
-    /// There are no event indicators, whatever the importer's array holds.
-    pub(crate) fn event_indicators(indicators: &Out<f64>) -> Result<(), FmiError> {
-        match indicators.len() {
-            0 => Ok(()),
-            given => Err(FmiError::Count { given, expected: 0 }),
+    /// Number of event indicators.
+    pub(crate) fn indicator_count(&self) -> usize {
+        let is_one = |row: &&Variable| row.slot == Slot::Output(OutputSlot::Indicator);
+        self.variables.iter().filter(is_one).count()
+    }
+
+    /// Reads the event indicators.
+    pub(crate) fn event_indicators(&mut self, indicators: &mut Out<f64>) -> Result<(), FmiError> {
+        let (given, expected) = (indicators.len(), self.indicator_count());
+        if given != expected {
+            return Err(FmiError::Count { given, expected });
         }
+        for index in 0..expected {
+            indicators.set(index, self.simulation.indicator());
+        }
+        Ok(())
     }
 }
 

@@ -60,6 +60,8 @@ enum Source {
     /// Model Exchange: a continuous state as the importer has set it, and its derivative.
     State(StateId),
     Rate(StateId),
+    /// The event indicator.
+    Indicator,
     Time,
 }
 
@@ -84,6 +86,7 @@ impl Instance {
             Some(row) => match (row.state, row.slot) {
                 (Some(id), _) if exchanges => Source::State(id),
                 (_, Slot::Output(OutputSlot::Rate(id))) if exchanges => Source::Rate(id),
+                (_, Slot::Output(OutputSlot::Indicator)) if exchanges => Source::Indicator,
                 _ => Source::Slot(row.slot),
             },
         };

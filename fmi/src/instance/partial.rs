@@ -70,7 +70,10 @@ impl Instance {
             let place = self.layout.of_kind(reference, Kind::Real)?;
             for element in place.elements() {
                 match self.sources[element] {
-                    Source::Slot(Slot::Output(_)) | Source::State(_) | Source::Rate(_) => {}
+                    Source::Slot(Slot::Output(_))
+                    | Source::State(_)
+                    | Source::Rate(_)
+                    | Source::Indicator => {}
                     _ => {
                         return Err(FmiError::NotUnknown {
                             name: self.name(place),

@@ -345,6 +345,7 @@ fn value_of_others(reading: &mut Reading, source: Source) -> f64 {
         Source::Slot(Slot::Parameter(slot)) => reading.parameter(slot),
         Source::State(id) => reading.state(id),
         Source::Rate(id) => reading.rate(id),
+        Source::Indicator => reading.margin(),
         Source::Time => reading.time(),
     }
 }

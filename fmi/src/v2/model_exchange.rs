@@ -135,7 +135,7 @@ filling! {
     GetDerivatives fmi2GetDerivatives(derivatives, nx) Instance::derivatives;
     /// There are none.
     GetEventIndicators fmi2GetEventIndicators(eventIndicators, ni)
-        |_, indicators| Instance::event_indicators(indicators);
+        Instance::event_indicators;
     /// All states.
     GetContinuousStates fmi2GetContinuousStates(x, nx) Instance::continuous_states;
     /// Sizes of the states to expect.

@@ -157,7 +157,7 @@ filling! {
         derivatives, nContinuousStates) Instance::derivatives;
     /// There are none.
     GetEventIndicators fmi3GetEventIndicators(eventIndicators, nEventIndicators)
-        |_, indicators| Instance::event_indicators(indicators);
+        Instance::event_indicators;
     /// All states.
     GetContinuousStates fmi3GetContinuousStates(
         continuousStates, nContinuousStates) Instance::continuous_states;
@@ -166,7 +166,7 @@ filling! {
         nominals, nContinuousStates) |instance, nominals| instance.nominals(nominals);
 }
 
-/// 0.
+/// One where anything can touch.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetNumberOfEventIndicators(
     instance: fmi3Instance,
@@ -174,8 +174,9 @@ pub unsafe extern "C" fn fmi3GetNumberOfEventIndicators(
 ) -> fmi3Status {
     // SAFETY: FMI's contract.
     unsafe {
-        call(instance, Function::GetNumberOfEventIndicators, |_| {
-            pointers::write("nEventIndicators", nEventIndicators, 0)?;
+        call(instance, Function::GetNumberOfEventIndicators, |instance| {
+            let count = instance.indicator_count();
+            pointers::write("nEventIndicators", nEventIndicators, count)?;
             OK
         })
     }

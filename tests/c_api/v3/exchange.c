@@ -105,7 +105,9 @@ void test_v3_exchange(void)
     CHECK_OK(fmu3.GetNumberOfContinuousStates(c, &n));
     CHECK(n == N, "%zu states", n);
     CHECK_OK(fmu3.GetNumberOfEventIndicators(c, &n));
-    CHECK(n == 0, "%zu event indicators", n);
+    CHECK(n == 1, "%zu event indicators", n);
+    CHECK_OK(fmu3.GetEventIndicators(c, &real, 1));
+    CHECK(real > 0.0, "nothing has left: %g", real);
     CHECK(fmu3.SetContinuousStates(NULL, x, N) == fmi3Error, "an instance");
     wrong_lengths(c);
     wrong_directions(c);

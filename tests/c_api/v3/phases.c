@@ -88,7 +88,7 @@ CALL(CompletedIntegratorStep, fmu3.CompletedIntegratorStep(c, true, &flag, &flag
 CALL(SetTime, fmu3.SetTime(c, 0.0))
 CALL(SetContinuousStates, fmu3.SetContinuousStates(c, x, ME_STATES))
 CALL(GetContinuousStateDerivatives, fmu3.GetContinuousStateDerivatives(c, rates, ME_STATES))
-CALL(GetEventIndicators, fmu3.GetEventIndicators(c, NULL, 0))
+CALL(GetEventIndicators, fmu3.GetEventIndicators(c, rates, 1))
 CALL(GetContinuousStates, fmu3.GetContinuousStates(c, rates, ME_STATES))
 CALL(GetNominalsOfContinuousStates, fmu3.GetNominalsOfContinuousStates(c, rates, ME_STATES))
 CALL(GetNumberOfEventIndicators, fmu3.GetNumberOfEventIndicators(c, &n))
