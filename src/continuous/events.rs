@@ -14,8 +14,8 @@
 //!    solution does not converge.
 //! 3. Nothing pushes what leaves faster than `v_e`, see [`Damping`](crate::law::Damping). What has
 //!    been pressed in leaves just below `v_e`, by less than the tolerance, so it would cross `v_e`
-//!    again and again. At `2 v_e` it has surely gone astray, and falls back for `v_e/g`, 2 ms. So it
-//!    has left where the shapes overlap no more, or where they part with [`LEFT`] times `v_e`.
+//!    again and again. At `2 v_e` it has surely gone astray, and falls back for `v_e/g`, 2 ms. So
+//!    it has left where the shapes overlap no more, or where they part with [`LEFT`] times `v_e`.
 //! 4. The one *event indicator* is the least margin of all contacts, in parts of the depth for
 //!    which a spring is made and of `v_e`; 1 where nothing touches. An integrator watches it at the
 //!    end of each of its own steps, of which an importer such as `FMPy` may take many for one. A

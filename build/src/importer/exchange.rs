@@ -2,9 +2,9 @@
 //! next, and takes it through its events.
 //!
 //! Between events the inputs of a table follow it continuously. What is set at once, by a jump of
-//! the table or by a person, is an event. State events are refused when the description is read, but
-//! for those of this program's own FMUs: nothing that is integrated depends on when they are, and
-//! the end of a step tells of them.
+//! the table or by a person, is an event. State events are refused when the description is read,
+//! but for those of this program's own FMUs: nothing that is integrated depends on when they are,
+//! and the end of a step tells of them.
 
 use super::error::{RunError, stopped};
 use super::library::{Interface, LibraryError, Slave};
