@@ -25,7 +25,7 @@ impl Terms {
         let ContactSet { list, points, .. } = &mut self.contacts;
         for (contact, r) in list.iter_mut().zip(&responses.contacts) {
             let of = &responses.points[contact.points.clone()];
-            contact.stand(contact.footing_under(points, (r, of)));
+            contact.stand(&contact.footing_under(points, (r, of)));
         }
     }
 

@@ -232,11 +232,11 @@ impl Contact {
     /// Puts friction to where the load is.
     pub(crate) fn center_on_load(&mut self, points: &[ContactPoint]) {
         let own = &points[self.points.clone()];
-        self.stand(self.footing(own, |i| own[i].load));
+        self.stand(&self.footing(own, |i| own[i].load));
     }
 
     /// Lets friction act there.
-    pub(super) fn stand(&mut self, footing: Footing) {
+    pub(super) fn stand(&mut self, footing: &Footing) {
         self.center = footing.center;
         self.radius = footing.radius;
         self.friction.limit = footing.limit;
