@@ -21,62 +21,8 @@
 //! Source: Castro et al. 2022 (the force is the gradient of the Moreau envelope of Coulomb's
 //! dissipation); Armstrong-Hélouvry, Dupont & Canudas de Wit 1994 for the Stribeck curve.
 
-use super::limit::{Limit, Radial};
-use crate::spatial::Vec3;
+use super::limit::{Limit, Radial, Vector};
 use crate::tuning::ROUND_OFF;
-use std::ops::{Add, Div, Mul, Sub};
-
-/// A displacement, velocity or force along a line ([`f64`]) or in a plane or in space ([`Vec3`]).
-pub trait Vector:
-    Copy
-    + Default
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<f64, Output = Self>
-    + Div<f64, Output = Self>
-{
-    /// Inner product.
-    fn dot(&self, other: &Self) -> f64;
-
-    /// Direction of a vector that is longer than `length`, and one over its own length; zero
-    /// instead of the latter along a line, which has no directions but its own. None for a vector
-    /// that is not longer.
-    fn beyond(&self, length: f64) -> Option<(Self, f64)>;
-}
-
-impl Vector for f64 {
-    #[inline]
-    fn dot(&self, other: &Self) -> f64 {
-        self * other
-    }
-
-    #[inline]
-    fn beyond(&self, length: f64) -> Option<(Self, f64)> {
-        if self.abs() <= length {
-            None
-        } else {
-            Some((self.signum(), 0.0))
-        }
-    }
-}
-
-impl Vector for Vec3 {
-    #[inline]
-    fn dot(&self, other: &Self) -> f64 {
-        Self::dot(self, other)
-    }
-
-    #[inline]
-    fn beyond(&self, length: f64) -> Option<(Self, f64)> {
-        let squared = self.norm_squared();
-        if squared <= length * length {
-            None
-        } else {
-            let inverse = 1.0 / squared.sqrt();
-            Some((self * inverse, inverse))
-        }
-    }
-}
 
 /// A spring–damper with a capped force. Units are those of a force (N, or N·m about an axis) and of
 /// a displacement (m or rad).
@@ -264,6 +210,7 @@ pub fn stribeck(rest: f64, sliding: f64, speed: f64, reference: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::spatial::Vec3;
 
     #[test]
     fn stribecks_curve_runs_from_rest_to_sliding() {

@@ -1,42 +1,95 @@
-//! Which forces dry friction can bear: of a point, and about an axis, those that are no longer than
-//! the cap `F̄`. A face with an even pressure resists sliding and turning at once: each of its
-//! points slides in its own direction, so that a face which spins fast hardly resists sliding, and
-//! one that slides fast hardly resists turning.
+//! Which forces dry friction can bear: of a point, and about an axis, those that are no longer
+//! than the cap `F̄`. A face with an even pressure resists sliding and turning at once: each of
+//! its points slides in its own direction, so that a face which spins fast hardly resists
+//! sliding, and one that slides fast hardly resists turning.
 //!
-//! With the velocity `w = w_t + w_n n̂`, where `w_n` is the angular velocity times the mean distance
-//! `ρ` of the points from their middle, friction dissipates
+//! With the velocity `w = w_t + w_n n̂`, where `w_n` is the angular velocity times the mean
+//! distance `ρ` of the points from their middle, friction dissipates
 //!
 //! ```text
 //! F̄ H(w),    H = mean |w_t + w_n n̂ × r/ρ|,
 //! ```
 //!
-//! with the force `F̄ ∇H(w)`. `H` is a norm; of a point it is `|w|`. Friction that took `|w|` for a
-//! face, too (Howe & Cutkosky 1996), would brake a disc that spins fast 1.5 times as much as its
-//! points do. The mean is taken here as that of two halves: at the points `±p` it would be
-//! `½ Σ |w_t ± w_n c|` with `c = n̂ × p/ρ` of unit length, where `|w_t ± w_n c|² = |w|² ± 2 w_n c·w_t`.
-//! With the root mean square of `c·w_t` over the face in its place,
+//! with the force `F̄ ∇H(w)`. `H` is a norm; of a point it is `|w|`. Friction that took `|w|` for
+//! a face, too (Howe & Cutkosky 1996), would brake a disc that spins fast 1.5 times as much as
+//! its points do. The mean is taken here as that of two halves: at the points `±p` it would be `½
+//! Σ |w_t ± w_n c|` with `c = n̂ × p/ρ` of unit length, where `|w_t ± w_n c|² = |w|² ± 2 w_n
+//! c·w_t`. With the root mean square of `c·w_t` over the face in its place,
 //!
 //! ```text
 //! H = ½ (√(S + 2 X) + √(S − 2 X)) = √((S + D)/2),
 //! D = √(S² − 4 X²),    S = |w|²,    X² = w_n² wᵀ C w,    C = κ Σ (n̂ × r)(n̂ × r)ᵀ/Σ |r|²
 //! ```
 //!
-//! `H` is convex, and rises with the seminorms `√(wᵀ C w)`, `|w_n|` and what else there is of `|w|`,
-//! so it is a norm; with `κ < 1` it is smooth. `κ` is [`EVEN_SPREAD`]. Against sums over areas `H`
-//! is right to 1 % for a disc and a square, 4 % for a board of 4:1 and 5 % for a line.
+//! `H` is convex, and rises with the seminorms `√(wᵀ C w)`, `|w_n|` and what else there is of
+//! `|w|`, so it is a norm; with `κ < 1` it is smooth. `κ` is [`EVEN_SPREAD`]. Against sums over
+//! areas `H` is right to 1 % for a disc and a square, 4 % for a board of 4:1 and 5 % for a line.
 //!
 //! What spring and damper of an element give, `y`, is the force where `H = |y|`. In general the
-//! force is the gradient of the convex function `½ H²(y)` while `H(y) ≤ F̄`, and of `F̄ H(y)` beyond:
-//! what slips keeps the part `F̄/H` of `y`, and its force is that of its direction. For `½ H²` a
-//! face that carries a load along itself is softer against turning, by the factor `1 − C` at most.
+//! force is the gradient of the convex function `½ H²(y)` while `H(y) ≤ F̄`, and of `F̄ H(y)`
+//! beyond: what slips keeps the part `F̄/H` of `y`, and its force is that of its direction. For
+//! `½ H²` a face that carries a load along itself is softer against turning, by the factor `1 −
+//! C` at most.
 //!
 //! Source: Goyal, Ruina & Papadopoulos 1991 (limit surfaces).
 
 #![allow(non_snake_case, reason = "the letters of the derivation above")]
 
-use super::friction::Vector;
 use crate::spatial::{Mat3, Vec3};
 use crate::tuning::EVEN_SPREAD;
+use std::ops::{Add, Div, Mul, Sub};
+
+/// A displacement, velocity or force along a line ([`f64`]) or in a plane or in space ([`Vec3`]).
+pub trait Vector:
+    Copy
+    + Default
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+{
+    /// Inner product.
+    fn dot(&self, other: &Self) -> f64;
+
+    /// Direction of a vector that is longer than `length`, and one over its own length; zero
+    /// instead of the latter along a line, which has no directions but its own. None for a vector
+    /// that is not longer.
+    fn beyond(&self, length: f64) -> Option<(Self, f64)>;
+}
+
+impl Vector for f64 {
+    #[inline]
+    fn dot(&self, other: &Self) -> f64 {
+        self * other
+    }
+
+    #[inline]
+    fn beyond(&self, length: f64) -> Option<(Self, f64)> {
+        if self.abs() <= length {
+            None
+        } else {
+            Some((self.signum(), 0.0))
+        }
+    }
+}
+
+impl Vector for Vec3 {
+    #[inline]
+    fn dot(&self, other: &Self) -> f64 {
+        Self::dot(self, other)
+    }
+
+    #[inline]
+    fn beyond(&self, length: f64) -> Option<(Self, f64)> {
+        let squared = self.norm_squared();
+        if squared <= length * length {
+            None
+        } else {
+            let inverse = 1.0 / squared.sqrt();
+            Some((self * inverse, inverse))
+        }
+    }
+}
 
 /// The norm `H` of an element: it slips where the norm of what spring and damper give is more than
 /// the cap.
@@ -287,8 +340,8 @@ mod tests {
 
     /// Against sums of Coulomb friction over the area: what a face dissipates, and the force along
     /// it, in shares of the cap, in eight directions with all ratios of sliding and spinning. With
-    /// the length for both the force on a disc is off by 0.15, on a square by 0.17 and on a board of
-    /// 4:1 by 0.34.
+    /// the length for both the force on a disc is off by 0.15, on a square by 0.17 and on a board
+    /// of 4:1 by 0.34.
     #[test]
     fn a_face_resists_as_its_points_do_together() {
         for (half, oval, most) in [

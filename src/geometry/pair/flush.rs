@@ -118,8 +118,10 @@ pub(super) struct Kept {
     pub(super) first: bool,
     /// Unit vector out of the solid.
     pub(super) outward: Vec3,
-    /// Between both cores along it, m.
+    /// Between both cores along it, m: of the other one what is over the solid.
     pub(super) distance: f64,
+    /// How high along it that is which is nearest to the solid, m.
+    least: f64,
 }
 
 /// The direction out of `p` towards `o`, about the place `x`, in place of `n`; none where it stays.
@@ -127,10 +129,8 @@ fn kept((p, o): (&Placed, &Placed), n: &Vec3, x: &Vec3) -> Option<Vec3> {
     if p.solid.beside.is_empty() && p.solid.across.is_empty() {
         return None;
     }
-    let (mut d, mut x) = (p.R.tr_mul(n), p.R.tr_mul(&(x - p.p)));
-    for (n, height) in p.solid.faces() {
-        x -= n * (n.dot(&x) - height).max(0.0);
-    }
+    let mut d = p.R.tr_mul(n);
+    let x = edge(p.solid, &p.R.tr_mul(&(x - p.p)), &d);
     let mut changed = false;
     for (n, height) in p.solid.faces() {
         let lean = n.dot(&d);
@@ -143,6 +143,27 @@ fn kept((p, o): (&Placed, &Placed), n: &Vec3, x: &Vec3) -> Option<Vec3> {
     // What points straight into a wall is deep in both solids, or in the corner between them.
     let d = d.try_normalize(STRAIGHT)?;
     changed.then(|| p.R * d)
+}
+
+/// The place of a solid above which, or beside which, `x` is.
+fn within(solid: &Solid, x: &Vec3) -> Vec3 {
+    let mut x = *x;
+    for (n, height) in solid.faces() {
+        x -= n * (n.dot(&x) - height).max(0.0);
+    }
+    x
+}
+
+/// The same on the edge of the faces that the direction `d` leads out of: what stands beside a wall
+/// may leave a gap below that edge, into which nothing can come from above.
+fn edge(solid: &Solid, x: &Vec3, d: &Vec3) -> Vec3 {
+    let mut x = within(solid, x);
+    for (n, height) in solid.faces() {
+        if n.dot(d) > LEAN {
+            x += n * (height - n.dot(&x));
+        }
+    }
+    x
 }
 
 /// Whether another solid covers a face beside the place `x` of it.
@@ -193,11 +214,19 @@ pub(super) fn between(a: &Placed, b: &Placed, n: &Vec3, apart: &Apart) -> Option
     let radii = a.solid.radius + b.solid.radius;
     let of = |(p, o): (&Placed, &Placed), n: &Vec3, first| {
         let outward = kept((p, o), n, &apart.middle)?;
-        let distance = separation(o, p, &outward);
+        let top = outward.dot(&p.support(&outward));
+        // What of the other one is beyond a covered wall lies on what is there, and may be lower.
+        let over = places(o, &outward).filter(|x| is_over((p, o), &outward, x));
+        let mut least = over.fold(f64::INFINITY, |least, x| least.min(outward.dot(&x)));
+        if least.is_infinite() {
+            least = top + separation(o, p, &outward);
+        }
+        let distance = least - top;
         (distance >= apart.distance.min(radii) - p.solid.radius).then_some(Kept {
             first,
             outward,
             distance,
+            least,
         })
     };
     of((b, a), n, false).or_else(|| of((a, b), &-n, true))
@@ -207,8 +236,9 @@ pub(super) fn between(a: &Placed, b: &Placed, n: &Vec3, apart: &Apart) -> Option
 /// `up` by `o`.
 fn is_over((p, o): (&Placed, &Placed), up: &Vec3, x: &Vec3) -> bool {
     let (x, up) = (p.R.tr_mul(&(x - p.p)), p.R.tr_mul(up));
+    let on = within(p.solid, &x);
     p.solid.faces().all(|face| {
-        let closed = || is_covered(p.solid, face, &x) || is_bridged((p, o), &face.0, &up);
+        let closed = || is_covered(p.solid, face, &on) || is_bridged((p, o), &face.0, &up);
         face.0.dot(&x) <= face.1 || !closed()
     })
 }
@@ -256,9 +286,8 @@ pub(super) fn lowest(
 ) {
     let (on, under) = if kept.first { (b, a) } else { (a, b) };
     let up = kept.outward;
-    let least = foot(on, &up);
-    let rise = |x: &Vec3| up.dot(x) - least;
-    let weight = |x: &Vec3| (1.0 - rise(x) / blend).max(0.0);
+    let rise = |x: &Vec3| up.dot(x) - kept.least;
+    let weight = |x: &Vec3| (1.0 - rise(x) / blend).clamp(0.0, 1.0);
     let total: f64 = places(on, &up).map(|x| weight(&x)).sum();
     for x in places(on, &up) {
         let (share, gap) = (left * weight(&x) / total, gap + rise(&x));
