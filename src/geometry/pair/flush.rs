@@ -214,7 +214,8 @@ pub(super) fn between(a: &Placed, b: &Placed, n: &Vec3, apart: &Apart) -> Option
     let radii = a.solid.radius + b.solid.radius;
     let of = |(p, o): (&Placed, &Placed), n: &Vec3, first| {
         let outward = kept((p, o), n, &apart.middle)?;
-        let top = outward.dot(&p.support(&outward));
+        // Both cores are as far apart as the shapes and what has been taken off them.
+        let top = outward.dot(&p.support(&outward)) - (o.solid.radius - skin(o));
         // What of the other one is beyond a covered wall lies on what is there, and may be lower.
         let over = places(o, &outward).filter(|x| is_over((p, o), &outward, x));
         let mut least = over.fold(f64::INFINITY, |least, x| least.min(outward.dot(&x)));
@@ -243,23 +244,28 @@ fn is_over((p, o): (&Placed, &Placed), up: &Vec3, x: &Vec3) -> bool {
     })
 }
 
-/// The lowest places of a core: its corners, the ends of what is round, or its centre.
+/// The lowest places of a solid: its sharp corners, the ends of what is round, or its centre.
+///
+/// The rounded edge of what leans is lower than its sharp one, and lower still beyond a wall.
 fn place(on: &Placed, down: &Vec3, index: usize) -> Option<Vec3> {
-    let half = match on.core {
-        Core::Segment { half } | Core::Cylinder { half, .. } => *half,
-        Core::Point => 0.0,
-        _ => return on.solid.core_corners.get(index).map(|x| on.world(x)),
+    let (half, radius) = match (on.solid.round, on.core) {
+        (Some(round), _) => (round.half, if round.flat { round.radius } else { 0.0 }),
+        (None, Core::Point) => (0.0, 0.0),
+        _ => return on.solid.mesh.corners.get(index).map(|x| on.world(x)),
     };
     let end = on.axis() * if index == 0 { half } else { -half };
-    let radial = match on.core {
-        Core::Cylinder { radius, .. } => {
-            let across = down - on.axis() * on.axis().dot(down);
-            across.try_normalize(f64::MIN_POSITIVE).unwrap_or_default() * *radius
-        }
-        _ => Vec3::zeros(),
-    };
+    let across = down - on.axis() * on.axis().dot(down);
+    let radial = across.try_normalize(f64::MIN_POSITIVE).unwrap_or_default() * radius;
     let count = if half > 0.0 { 2 } else { 1 };
     (index < count).then(|| on.p + end + radial)
+}
+
+/// Radius of the ball that sweeps these places, m.
+fn skin(on: &Placed) -> f64 {
+    match on.core {
+        Core::Point | Core::Segment { .. } => on.solid.radius,
+        _ => 0.0,
+    }
 }
 
 /// All of them.
@@ -292,7 +298,7 @@ pub(super) fn lowest(
     for x in places(on, &up) {
         let (share, gap) = (left * weight(&x) / total, gap + rise(&x));
         if share > 0.0 && is_over((under, on), &up, &x) {
-            let middle = x - up * (on.solid.radius + 0.5 * gap);
+            let middle = x - up * (skin(on) + 0.5 * gap);
             points.add(0, point(middle, -gap, share));
         }
     }

@@ -63,3 +63,76 @@ fn a_ball_that_crosses_a_hollow_edge_of_a_mesh_loses_what_a_rigid_one_does() {
         }
     }
 }
+
+/// Share of its speed along the ground that a plate without friction has left which went at `v`
+/// from one of two static boxes to the other one, that leads down by `angle`, or up where that is
+/// negative. Their tops meet in an edge.
+fn passed(shape: &Shape, angle: f64, v: f64, [tolerance, step]: [f64; 2]) -> f64 {
+    let slab = |at: Vec3, angle: f64| {
+        let mut b = Builder::new(false, RigidInertia::ZERO);
+        let half = Vec3::new(1.0, 0.5, 0.05);
+        b.shape(LinkId(0), Shape::Box { half }, Pose::IDENTITY);
+        let root = &mut b.model.roots[0];
+        root.position = at;
+        root.rpy.y = angle;
+        b.model.links[0].friction = 0.0;
+        b.model
+    };
+    let (sin, cos) = libm::sincos(angle);
+    let along = Vec3::new(cos, 0.0, -sin);
+    let up = Vec3::new(sin, 0.0, cos);
+    let mut one = body(0.5, shape.clone(), Vec3::new(-0.15, 0.0, 0.01 - depth(1.0)));
+    one.links[0].friction = 0.0;
+    one.roots[0].linear_velocity.x = v;
+    let floor = slab(Vec3::new(-1.0, 0.0, -0.05), 0.0);
+    let mut model = super::worlds::world([one, floor, slab(along - up * 0.05, angle)]);
+    model.world.ground = None;
+    model.solver.step_size = step;
+    let mut s = start(model, tolerance);
+    run(&mut s, 0.4 / v, 1.0 / 240.0);
+    let state = &s.state().physical;
+    let at = along.dot(&Vec3::new(state.q[0], state.q[1], state.q[2]));
+    assert!(at > 0.1, "it is over the edge: {at}");
+    let moving: f64 = state.v[3..6].iter().map(|v| 0.5 * v * v).sum();
+    ((moving + G * (state.q[2] - 0.01)) / (0.5 * v * v)).sqrt()
+}
+
+/// Rigid statics and impacts: over a ridge what is longer than high tips about it and lands on the
+/// other side, which takes a few percent; in a hollow it keeps the speed along the new side. On
+/// meshes of the same planes it has 0.987 left of 0.8 m/s at 3° and 0.94 at 10°. While the first
+/// box held what was beyond its covered wall as well, blocks lost half to all of their speed: 0.60
+/// in fixed steps and 0.93 at 1e-3 with this plate at 3°, and 0.57 in fixed steps at −7.5°.
+#[test]
+fn what_slides_over_an_edge_between_two_boxes_goes_on() {
+    let plate = Shape::Box {
+        half: Vec3::new(0.04, 0.04, 0.01),
+    };
+    let can = Shape::Cylinder {
+        radius: 0.05,
+        half_length: 0.01,
+    };
+    for (degrees, least) in [
+        (1.0_f64, 0.95),
+        (3.0, 0.93),
+        (10.0, 0.88),
+        (-7.5, 0.98),
+        (-2.0, 0.985),
+    ] {
+        // A can over a ridge still runs against it, see docs/sweep.md.
+        let shapes = if degrees > 0.0 {
+            &[&plate][..]
+        } else {
+            &[&plate, &can][..]
+        };
+        for &shape in shapes {
+            for how in [[1e-3, 0.0], [1e-5, 0.0], [1e-3, 1.0 / 240.0]] {
+                let left = passed(shape, degrees.to_radians(), 0.8, how);
+                let most = libm::cos(degrees.to_radians()).max(0.998);
+                assert!(
+                    (least..most + 1e-3).contains(&left),
+                    "{shape:?} {degrees}°, {how:?}: {left}"
+                );
+            }
+        }
+    }
+}
