@@ -459,12 +459,6 @@ pub const MIN_CORNERS: f64 = 4.0;
 /// The same on a disc, as a share of its radius: `∫ r² dr / ∫ r dr`
 /// (`a_spinning_disc_slows_down_by_friction_over_its_face`).
 pub const EVEN_DISC: f64 = 2.0 / 3.0;
-/// Mean square of the cosine between the velocity with which a face slides and that of its points
-/// when it spins, as a share of what it would be if all of them were on the ends of a line or on a
-/// ring: of a line, and of a disc. The force is then nearest to that of an even pressure. At 0,
-/// where the norm is the length, and with both numbers exchanged fails
-/// `a_face_resists_as_its_points_do_together`.
-pub const EVEN_SPREAD: [f64; 2] = [0.7, 0.85];
 /// Thickness of a face of a hull, in penetrations: corners that lie so near one plane share its
 /// load. At 1e4 fails `even_terrain_carries_like_the_plane`.
 pub const FACE: f64 = 3.0;

@@ -6,14 +6,12 @@
 
 pub mod friction;
 pub mod leaving;
-pub mod limit;
 pub mod motor;
 pub mod normal;
 pub mod stop;
 
 pub use friction::{ElastoPlastic, Resistance, stribeck};
 pub use leaving::Damping;
-pub use limit::{Face, Limit, Radial};
 pub use motor::{SpeedLine, motor_constants};
 pub use normal::{HuntCrossley, dissipation_number};
 pub use stop::Stop;

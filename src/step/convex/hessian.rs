@@ -12,7 +12,6 @@ use crate::force::{
     Contact, ContactPoint, Other, PointResponse, Response, SpringTerm, TurnResponse,
 };
 use crate::kinematics::Kinematics;
-use crate::law::Resistance;
 use crate::sparsity::coupled::Coupled;
 use crate::spatial::{
     Vec3, Vec6, across, add_force_at, add_scaled6, angular, dot6, join, linear, multiply_lower,
@@ -279,47 +278,22 @@ fn add_contact(
     let friction = &response.0.friction;
     let slope = h * friction.slope;
     if slope > 0.0 {
-        add_friction(G, contact, friction, slope);
-    }
-}
-
-/// Adds that of friction, which is `slope` but for the shape of a face.
-#[inline]
-fn add_friction(G: &mut [f64; 21], contact: &Contact, friction: &Resistance<Vec3>, slope: f64) {
-    let lever = |direction: &Vec3| {
-        let (along, moment) = contact.lever(direction);
-        join(&moment, &along)
-    };
-    let n = &contact.normal;
-    if contact.friction.limit.is_point() {
-        // Two directions across the slip, or two tangents. What does not resist drilling may have
-        // been stretched by it before: then its slip leans out of the tangent plane, and counts
-        // along both tangents.
-        let slips = friction.slip != Vec3::zeros();
+        let n = &contact.normal;
+        let mut add = |direction: &Vec3| {
+            let (along, moment) = contact.lever(direction);
+            add_square(G, &join(&moment, &along), slope);
+        };
+        // Two directions across the slip, or two tangents and drilling. A single point does not
+        // resist drilling, but may have been stretched by it before: then its slip leans out of
+        // the tangent plane, and counts along both tangents.
+        let slips = response.0.slips();
         let axis = if slips { friction.slip } else { *n };
         let first = n.cross(&axis).try_normalize(1e-12);
         let first = first.unwrap_or_else(|| across(n));
-        add_square(G, &lever(&first), slope);
-        add_square(G, &lever(&axis.cross(&first)), slope);
-        return;
-    }
-    // `Lᵀ K L` with the levers `L` of the axes.
-    let K = contact
-        .friction
-        .limit
-        .slope(&friction.left, &friction.growth)
-        * slope;
-    let levers = [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| lever(&axis));
-    for (i, lever) in levers.iter().enumerate() {
-        let row: Vec6 = std::array::from_fn(|k| {
-            K[(i, 0)] * levers[0][k] + K[(i, 1)] * levers[1][k] + K[(i, 2)] * levers[2][k]
-        });
-        let mut place = 0;
-        for (a, x) in lever.iter().enumerate() {
-            for y in &row[..=a] {
-                G[place] += x * y;
-                place += 1;
-            }
+        add(&first);
+        add(&axis.cross(&first));
+        if contact.radius > 0.0 && !slips {
+            add(n);
         }
     }
 }
