@@ -166,7 +166,7 @@ filling! {
         nominals, nContinuousStates) |instance, nominals| instance.nominals(nominals);
 }
 
-/// One where anything can touch.
+/// One where something floats that can touch, see `Events::indicators`; else none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetNumberOfEventIndicators(
     instance: fmi3Instance,

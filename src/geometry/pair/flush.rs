@@ -145,7 +145,7 @@ fn kept((p, o): (&Placed, &Placed), n: &Vec3, x: &Vec3) -> Option<Vec3> {
     changed.then(|| p.R * d)
 }
 
-/// The place of a solid above which, or beside which, `x` is.
+/// The place of a solid that is nearest to `x`, for faces at right angles.
 fn within(solid: &Solid, x: &Vec3) -> Vec3 {
     let mut x = *x;
     for (n, height) in solid.faces() {
@@ -154,8 +154,9 @@ fn within(solid: &Solid, x: &Vec3) -> Vec3 {
     x
 }
 
-/// The same on the edge of the faces that the direction `d` leads out of: what stands beside a wall
-/// may leave a gap below that edge, into which nothing can come from above.
+/// The place of a solid that is nearest to `x`, moved to the edge of the faces that the direction
+/// `d` leads out of: what stands beside a wall may leave a gap below that edge, into which nothing
+/// can come from above.
 fn edge(solid: &Solid, x: &Vec3, d: &Vec3) -> Vec3 {
     let mut x = within(solid, x);
     for (n, height) in solid.faces() {
@@ -186,7 +187,7 @@ fn lies_on((p, o): (&Placed, &Placed), level: &Across) -> bool {
     let lies = |x: Vec3| level.sides.holds(&p.R.tr_mul(&(x - p.p)), 0.0);
     match o.core {
         Core::Box { .. } | Core::Corners(_) => {
-            let least = foot(o, &up);
+            let least = lowest_of(places(o, &up), &up);
             let lowest = || places(o, &up).filter(|x| up.dot(x) < least + o.solid.blend);
             lowest().count() > 2 && lowest().any(lies)
         }
@@ -218,7 +219,7 @@ pub(super) fn between(a: &Placed, b: &Placed, n: &Vec3, apart: &Apart) -> Option
         let top = outward.dot(&p.support(&outward)) - (o.solid.radius - skin(o));
         // What of the other one is beyond a covered wall lies on what is there, and may be lower.
         let over = places(o, &outward).filter(|x| is_over((p, o), &outward, x));
-        let mut least = over.fold(f64::INFINITY, |least, x| least.min(outward.dot(&x)));
+        let mut least = lowest_of(over, &outward);
         if least.is_infinite() {
             least = top + separation(o, p, &outward);
         }
@@ -268,15 +269,15 @@ fn skin(on: &Placed) -> f64 {
     }
 }
 
-/// All of them.
+/// All places of a solid that [`place`] gives.
 fn places<'a>(on: &'a Placed, up: &Vec3) -> impl Iterator<Item = Vec3> + 'a {
     let down = -up;
     (0..).map_while(move |i| place(on, &down, i))
 }
 
-/// How high the lowest place of a core is along `up`, m.
-fn foot(on: &Placed, up: &Vec3) -> f64 {
-    places(on, up).fold(f64::INFINITY, |least, x| least.min(up.dot(&x)))
+/// How high the lowest of some places is along `up`, m; infinite without any.
+fn lowest_of(places: impl Iterator<Item = Vec3>, up: &Vec3) -> f64 {
+    places.fold(f64::INFINITY, |least, x| least.min(up.dot(&x)))
 }
 
 /// Adds the lowest points of what lies on a solid with covered walls, as far as they are over it:
