@@ -124,10 +124,15 @@ impl Meeting {
                     asked: Asked::Least,
                     ..limits
                 };
+                least = self.cover((a, b), (&n, all), points).least;
                 if let Some(round) = a.solid.round {
-                    least = self.line((a, &round), b, (&n, all, Side::First), points).2;
+                    let on = self.line((a, &round), b, (&n, all, Side::First), points).2;
+                    if on.is_finite() {
+                        // An end that is seen from its side is a sliver, which is over a face or
+                        // not by round-off (`the_depth_of_a_thin_wheel_on_an_edge_has_a_slope`).
+                        least = on + (on.min(least) - on) * facing(a, &n);
+                    }
                 }
-                least = least.min(self.cover((a, b), (&n, all), points).least);
             }
             points.clear();
             if least.is_finite() {

@@ -11,6 +11,7 @@ pub(crate) mod lifts;
 mod meshes;
 mod nearby;
 pub(crate) mod solids;
+mod thin;
 
 use super::{Patch, PatchPoint, Side, Solid};
 use crate::geometry::Shape;
