@@ -95,8 +95,15 @@ impl Stages {
             if response.depth.max(*end) <= 0.0 {
                 continue;
             }
-            let errors = [start.depth - first.depth, end - response.depth];
-            let depths = (errors, end - start.depth);
+            // What is apart holds no energy, however far: a corner that comes over an edge is deep in
+            // what is behind it at once, and was a rounding away from that.
+            // (`a_corner_that_comes_over_a_joint_goes_on`)
+            let held = |depth: f64| depth.max(0.0);
+            let errors = [
+                held(start.depth) - held(first.depth),
+                held(*end) - held(response.depth),
+            ];
+            let depths = (errors, held(*end) - held(start.depth));
             let found = Secant::new((ctx.tree, kin), contact, depths, (&self.way, h));
             let Some(found) = found else { continue };
             any = true;
