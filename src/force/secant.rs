@@ -93,6 +93,14 @@ impl Secant {
         self.rates = [self.rates[0] + other.rates[0], other.rates[1]];
     }
 
+    /// A share of it.
+    pub fn scale(&mut self, share: f64) {
+        self.linear *= share;
+        self.angular *= share;
+        self.deeper *= share;
+        self.rates[0] *= share;
+    }
+
     /// Changes the rows of a contact's points.
     pub fn bend(&self, contact: &mut Contact, points: &mut [ContactPoint]) {
         let [bent, whole] = self.rates;

@@ -73,6 +73,9 @@ pub struct Solid {
     pub(super) radius: f64,
     /// The same for the inner core, m.
     pub(super) inner_radius: f64,
+    /// How far its sharp corners and edges reach beyond what sweeps its core, m, at most: the
+    /// rounding, and more where a hull is acute. 0 for balls, capsules and planes, which have none.
+    pub(super) sharp: f64,
     /// Length over which faces take over from each other, m.
     pub(super) blend: f64,
     /// Real faces; of a cylinder its two ends as polygons.
@@ -105,6 +108,10 @@ impl Solid {
             core,
             radius,
             inner_radius: radius,
+            sharp: match shape {
+                Shape::Sphere { .. } | Shape::Capsule { .. } => 0.0,
+                _ => radius,
+            },
             blend: rounding(smallest).max(LEAST_BLEND * reach),
             mesh: Mesh::default(),
             round: None,
@@ -176,7 +183,10 @@ impl Solid {
                 let (inner, inner_radius) = shrunk(&mesh, INNER * smallest);
                 let within = |c: &Vec3| nearest_of(&core, c);
                 let core_corners: Vec<Vec3> = mesh.corners.iter().map(within).collect();
+                let beyond = mesh.corners.iter().zip(&core_corners);
+                let beyond = beyond.map(|(corner, core)| (corner - core).norm() - r);
                 Self {
+                    sharp: beyond.fold(r, f64::max),
                     shares: Faces::new(&corners, thickness),
                     bars: Bar::edges(&mesh, &core_corners, r),
                     core_corners,
@@ -238,6 +248,7 @@ impl Solid {
             inner: Core::HalfSpace,
             radius: 0.0,
             inner_radius: 0.0,
+            sharp: 0.0,
             blend: 0.0,
             mesh: Mesh::default(),
             round: None,

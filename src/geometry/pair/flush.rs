@@ -125,24 +125,61 @@ pub(super) struct Kept {
 }
 
 /// The direction out of `p` towards `o`, about the place `x`, in place of `n`; none where it stays.
+///
+/// A direction out of a corner is a sum of the normals of its faces, none of them negative: what it
+/// has of those of covered walls is left out. Beside an open face it leaves out what leads along
+/// that over the edge to the wall, which at the toe of a wedge on the ground is nearly all.
+/// (`what_slides_onto_a_wedge_climbs_it`)
 fn kept((p, o): (&Placed, &Placed), n: &Vec3, x: &Vec3) -> Option<Vec3> {
     if p.solid.beside.is_empty() && p.solid.across.is_empty() {
         return None;
     }
     let mut d = p.R.tr_mul(n);
     let x = edge(p.solid, &p.R.tr_mul(&(x - p.p)), &d);
+    let is_closed =
+        |face: &Face, d: &Vec3| is_covered(p.solid, *face, &x) || is_bridged((p, o), &face.0, d);
+    let corner = farthest(p.solid, &d);
+    let there = || {
+        p.solid
+            .faces()
+            .filter(|(n, height)| n.dot(&corner) > height - SEAM)
+    };
     let mut changed = false;
-    for (n, height) in p.solid.faces() {
-        let lean = n.dot(&d);
-        let is_closed = || is_covered(p.solid, (n, height), &x) || is_bridged((p, o), &n, &d);
-        if lean > LEAN && is_closed() {
-            d -= n * lean;
+    for face in there() {
+        let over = way_over(there().filter(|open| !is_closed(open, &d)), &face.0, &d);
+        let lean = over.dot(&d);
+        if lean > LEAN && is_closed(&face, &d) {
+            d -= over * lean;
             changed = true;
         }
     }
     // What points straight into a wall is deep in both solids, or in the corner between them.
     let d = d.try_normalize(STRAIGHT)?;
     changed.then(|| p.R * d)
+}
+
+/// The way along one of some open faces over its edge to a wall with the normal `n`: of the face
+/// that has, together with the wall, most of the direction `d`. The normal where there is none.
+fn way_over(open: impl Iterator<Item = Face>, n: &Vec3, d: &Vec3) -> Vec3 {
+    let mut best = (0.0, *n);
+    for (up, _) in open.filter(|(up, _)| up.dot(d) > LEAN) {
+        let Some(over) = (n - up * up.dot(n)).try_normalize(LEAN) else {
+            continue;
+        };
+        let [along, across] = [up.dot(d), over.dot(d)];
+        let has = along * along + across * across;
+        if has > best.0 {
+            best = (has, over);
+        }
+    }
+    best.1
+}
+
+/// The corner of a polyhedron that is farthest along `d`.
+fn farthest(solid: &Solid, d: &Vec3) -> Vec3 {
+    let corners = solid.mesh.corners.iter().copied();
+    let farther = |a: &Vec3, b: &Vec3| a.dot(d).total_cmp(&b.dot(d));
+    corners.max_by(farther).unwrap_or_default()
 }
 
 /// The place of a solid that is nearest to `x`, for faces at right angles.

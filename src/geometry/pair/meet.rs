@@ -41,7 +41,7 @@ impl Default for Meeting {
 /// How two shapes lie to each other, the gap between their rounded surfaces, and by how much sharp
 /// corners may be nearer than these, m; only roughly where that is farther than `reach`.
 fn gap(a: &Placed, b: &Placed, reach: f64) -> (Apart, f64, f64) {
-    let sharp = a.solid.rounding() + b.solid.rounding();
+    let sharp = a.solid.sharp + b.solid.sharp;
     let radii = a.solid.radius + b.solid.radius;
     let apart = nearest(a, b, reach + sharp + radii);
     (apart, apart.distance - radii, sharp)

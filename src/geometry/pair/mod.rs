@@ -136,7 +136,7 @@ impl Patch {
     ) -> bool {
         let couple = Couple::new((a, X_WA), (b, X_WB));
         let gap = separation(&couple.first, &couple.second, n) - (a.radius + b.radius);
-        gap > reach + a.rounding() + b.rounding() + CERTAIN * (a.reach + b.reach)
+        gap > reach + a.sharp + b.sharp + CERTAIN * (a.reach + b.reach)
     }
 
     /// Finds what `a` at `X_WA` and `b` at `X_WB` have in common, as far as it is nearer than

@@ -176,9 +176,9 @@ fn past(x: f64, half: f64) -> f64 {
 /// −1 to 1.
 ///
 /// The distance of a convex set is a convex function of the place on the segment: its derivative is
-/// monotone. It bends sharply where the segment passes the plane of an end or a face of the core, by
-/// eight powers of ten where an edge is nearly parallel to a cylinder, so the bracket of its root is
-/// first made one between such places. Within it Illinois' false position finds it.
+/// monotone. It bends sharply where the segment passes the plane of an end or a face of the core,
+/// by eight powers of ten where an edge is nearly parallel to a cylinder, so the bracket of its
+/// root is first made one between such places. Within it Illinois' false position finds it.
 /// (`an_edge_along_a_thin_cylinder_has_its_direction_to_round_off`)
 pub(super) fn from_segment(p: &Vec3, u: &Vec3, b: &Placed) -> (Vec3, f64) {
     let at = |s: f64| {

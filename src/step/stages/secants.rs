@@ -47,12 +47,22 @@ impl Stages {
     ) -> Option<Ended> {
         let Ending { here, from, .. } = *step;
         let [h, _] = step.lengths;
+        let mut made = 0.0;
         for round in 0.. {
             let added = finish(self, there, attempt);
             let work = self.work(ctx, h);
             let gain = gain(ctx, step.books, (here, there), &attempt.end, work);
             let makes = ctx.rules.secants && gain > step.books.mended && gain.is_finite();
             let depths = &there.terms.contacts.depths;
+            if round == 0 {
+                made = gain;
+            } else if round < SECANTS && gain < -made {
+                self.ease(made / (made - gain));
+                if !self.run_stages(ctx, (here, from), step.lengths, step.alike) {
+                    break;
+                }
+                continue;
+            }
             if !makes || round == SECANTS || !self.find_secants(ctx, here, depths, h) {
                 return Some(Ended {
                     added,
@@ -65,6 +75,16 @@ impl Stages {
             }
         }
         None
+    }
+
+    /// Leaves a share of all secants: so much that a step which would lose more energy than it has
+    /// made without them keeps it, as far as that goes with the share. Where a depth jumps within
+    /// microseconds the way is so short that the whole of a secant is a wall across it.
+    /// (`a_corner_that_comes_over_a_joint_goes_on`)
+    fn ease(&mut self, share: f64) {
+        for secant in &mut self.secants {
+            secant.scale(share);
+        }
     }
 
     /// Finds the secants of all contacts that press at the end of a step of `h` seconds from
@@ -95,15 +115,18 @@ impl Stages {
             if response.depth.max(*end) <= 0.0 {
                 continue;
             }
-            // What is apart holds no energy, however far: a corner that comes over an edge is deep in
-            // what is behind it at once, and was a rounding away from that.
-            // (`a_corner_that_comes_over_a_joint_goes_on`)
-            let held = |depth: f64| depth.max(0.0);
-            let errors = [
-                held(start.depth) - held(first.depth),
-                held(*end) - held(response.depth),
-            ];
-            let depths = (errors, held(*end) - held(start.depth));
+            // What is apart holds no energy, however far: a corner that comes over an edge is deep
+            // in what is behind it at once, and was a rounding away from that. A line to a depth
+            // that is not inside has to end outside, no matter where.
+            let error = |depth: f64, line: f64| {
+                if depth > 0.0 {
+                    depth - line
+                } else {
+                    -line.max(0.0)
+                }
+            };
+            let errors = [error(start.depth, first.depth), error(*end, response.depth)];
+            let depths = (errors, end.max(0.0) - start.depth.max(0.0));
             let found = Secant::new((ctx.tree, kin), contact, depths, (&self.way, h));
             let Some(found) = found else { continue };
             any = true;
