@@ -5,8 +5,6 @@ use crate::error::FmiError;
 use crate::phase::Phase;
 use crate::pointers::{In, Out};
 use urdf2fmu_core::range::Range;
-use urdf2fmu_core::slots::OutputSlot;
-use urdf2fmu_core::variables::{Slot, Variable};
 
 impl Instance {
     /// Number of continuous states.
@@ -115,8 +113,7 @@ impl Instance {
 
     /// Number of event indicators.
     pub(crate) fn indicator_count(&self) -> usize {
-        let is_one = |row: &&Variable| row.slot == Slot::Output(OutputSlot::Indicator);
-        self.variables.iter().filter(is_one).count()
+        self.indicators
     }
 
     /// Reads the event indicators.

@@ -40,6 +40,8 @@ pub(crate) struct Instance {
     sources: Vec<Source>,
     /// Elements by value reference.
     layout: Layout,
+    /// Number of event indicators: asked for at each call that reads them.
+    indicators: usize,
     simulation: Simulation,
     phase: Phase,
     experiment: Experiment,
@@ -90,7 +92,9 @@ impl Instance {
                 _ => Source::Slot(row.slot),
             },
         };
+        let is_one = |row: &&Variable| row.slot == Slot::Output(OutputSlot::Indicator);
         Self {
+            indicators: variables.iter().filter(is_one).count(),
             simulation: simulation(&model, hash, integrated_by),
             range_logged: vec![false; variables.len()],
             sources: layout.all_rows().iter().map(source).collect(),
