@@ -9,21 +9,27 @@ import fmpy
 from fmpy import fmi2
 
 
+def extracted(fmu: Path) -> Path:
+    """The folder with what is in an FMU that stays as it is, taken out once."""
+    folder = Path(fmu).with_suffix(".unzipped")
+    if not folder.exists():
+        # Another process may be at it: the folder appears whole.
+        own = folder.with_suffix(f".{os.getpid()}.unzipped")
+        fmpy.extract(str(fmu), unzipdir=str(own))
+        try:
+            own.rename(folder)
+        except OSError:
+            shutil.rmtree(own)
+            if not folder.exists():
+                raise
+    return folder
+
+
 class Robot:
     """One instance: `initialize`, then set inputs by `robot[name] = value`, `step`, read by `robot[name]`."""
 
     def __init__(self, fmu: Path, *, guid=None, tolerance=None, without_resources=False, messages=None):
-        folder = Path(fmu).with_suffix(".unzipped")
-        if not folder.exists():
-            # Another process may be at it: the folder appears whole.
-            own = folder.with_suffix(f".{os.getpid()}.unzipped")
-            fmpy.extract(str(fmu), unzipdir=str(own))
-            try:
-                own.rename(folder)
-            except OSError:
-                shutil.rmtree(own)
-                if not folder.exists():
-                    raise
+        folder = extracted(fmu)
         if without_resources:
             complete, folder = folder, folder.with_suffix(".without_resources")
             shutil.copytree(complete, folder, ignore=shutil.ignore_patterns("resources"), dirs_exist_ok=True)

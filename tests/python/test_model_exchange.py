@@ -14,6 +14,7 @@ from fmpy import fmi2
 from fmpy.util import read_csv
 from scipy.integrate import solve_ivp
 
+from robot import extracted
 from test_fmi3 import valid
 from test_view import WHEELS, Running
 
@@ -31,7 +32,7 @@ def run(fmu, kind, tolerance=1e-4, **options):
     if kind == "CoSimulation":
         options["start_values"] = {**options.get("start_values", {}), "solver.tolerance": tolerance}
     with redirect_stdout(io.StringIO()):
-        return fmpy.simulate_fmu(str(fmu), fmi_type=kind, relative_tolerance=tolerance,
+        return fmpy.simulate_fmu(str(extracted(fmu)), fmi_type=kind, relative_tolerance=tolerance,
                                  output_interval=1 / 240, **options)
 
 
