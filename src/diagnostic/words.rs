@@ -159,14 +159,24 @@ pub fn near_file(path: &Path) -> Option<PathBuf> {
         .ok()?
         .take(MOST_COMPARED.1);
     let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    let mut names: Vec<String> = names.collect();
+    // A symbolic link to nothing is there, and is not.
+    let own = path.file_name()?.to_str()?;
+    let mut names: Vec<String> = names.filter(|name| name != own).collect();
     // Whatever order the system gives them in.
     names.sort_unstable();
-    let near = nearest(
-        path.file_name()?.to_str()?,
-        names.iter().map(String::as_str),
-    )?;
+    let near = nearest(own, names.iter().map(String::as_str))?;
     Some(path.with_file_name(near))
+}
+
+/// Where a symbolic link leads at whose end there is nothing, as advice.
+pub fn of_dead_link(path: &Path) -> Option<String> {
+    let aim = std::fs::read_link(path).ok().filter(|_| !path.exists())?;
+    let aim = folder::of(path).join(aim);
+    Some(format!(
+        "it is a symbolic link to {}, where there is nothing: put the file there, or give another \
+         one",
+        aim.display()
+    ))
 }
 
 /// What is said after "cannot be read" of a file that is not there: which one may be meant.
@@ -182,6 +192,9 @@ pub fn instead_of(path: &Path, error: &std::io::Error) -> String {
             }
             _ => "nothing is downloaded: fetch the file, and give its path".to_owned(),
         };
+    }
+    if let Some(advice) = of_dead_link(path) {
+        return advice;
     }
     let missing = error.kind() == std::io::ErrorKind::NotFound;
     let near = near_file(path).filter(|_| missing);

@@ -196,3 +196,23 @@ fn a_loop_that_cannot_be_closed_is_told_beside_meshes_that_are_missing() {
     let lame = write(folder.path(), "lame.urdf", lame);
     assert_eq!(codes(&findings(&lame, &config).1), ["U104", "U030"]);
 }
+
+/// Found by fuzzing: what a file that is included under a name has was taken into an expansion that
+/// does not have it yet, which ended the command.
+#[test]
+fn a_file_that_is_included_under_a_name_after_its_use_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = format!("{ROOT}<xacro:property name='k' value='2'/></robot>");
+    write(folder.path(), "part.xacro", part);
+    for use_of in ["${n.k}", "${held[0].k}"] {
+        let text = format!(
+            "{ROOT}<link name='l{use_of}'/><xacro:include filename='part.xacro' ns='n'/>\
+             <xacro:property name='held' value='${{[n]}}' lazy_eval='false'/></robot>"
+        );
+        let robot = write(folder.path(), "r.xacro", text);
+        let (_, list) = findings(&robot, &[]);
+        assert_eq!(codes(&list)[0], "U006", "{list:?}");
+        let place = list.iter().find(|f| f["code"] == "U006").unwrap();
+        assert_eq!(place["severity"], "error");
+    }
+}

@@ -125,3 +125,29 @@ fn addresses_in_place_of_a_file_are_told_as_such() {
         );
     }
 }
+
+/// As in a workspace of ROS that was copied without what it was built from.
+#[cfg(unix)]
+#[test]
+fn a_symbolic_link_to_nothing_is_told_as_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    for name in ["r.urdf", "r.xacro", "macros.xacro"] {
+        std::os::unix::fs::symlink("gone/there", root.join(name)).unwrap();
+    }
+    let include = "<robot xmlns:xacro='http://wiki.ros.org/xacro' name='r'>\
+                   <xacro:include filename='macros.xacro'/></robot>";
+    write(root, "all.xacro", include);
+    let said = format!(
+        "a symbolic link to {}, where",
+        root.join("gone/there").display()
+    );
+    for name in ["r.urdf", "r.xacro", "all.xacro"] {
+        let run = run(&["check", text(&root.join(name))]);
+        assert!(
+            run.code == 1 && run.err.contains(&said),
+            "{name}: {}",
+            run.err
+        );
+    }
+}

@@ -11,6 +11,7 @@ use super::texts::Texts;
 use super::values::{self, Known, Launches};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use urdf2fmu_core::diagnostic::words::of_dead_link;
 use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity, nearest};
 use urdf2fmu_core::folder;
 
@@ -306,6 +307,7 @@ fn finding(
                 )
             }
             Some(Lacking::File(path)) => of_address(path)
+                .or_else(|| of_dead_link(path))
                 .or_else(|| of_argument(texts, path))
                 .or_else(|| of_its_name(path))
                 .unwrap_or_else(|| {

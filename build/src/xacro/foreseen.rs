@@ -11,6 +11,7 @@ use super::includers;
 use super::problem::{Lacking, Problem};
 use super::proposed::{Proposed, pairs};
 use super::sources::Find;
+use super::symbols::Entry;
 use super::tree::Element;
 use std::path::Path;
 use urdf2fmu_core::diagnostic::Diagnostic;
@@ -35,10 +36,11 @@ fn add(proposed: &mut Proposed, path: &Path, expansion: &Expansion, unread: &mut
                 proposed.macros.extend(own.map(|own| (name.clone(), own)));
             }
             Some(Lacking::Property(name)) => {
-                let own = texts.symbols.own(name).cloned();
+                let own = texts.symbols.own(name);
+                let own = own.filter(|own| !matches!(own, Entry::Value(v) if v.holds_scope()));
                 proposed
                     .properties
-                    .extend(own.map(|own| (name.clone(), own)));
+                    .extend(own.map(|own| (name.clone(), own.clone())));
             }
             Some(Lacking::File(absent)) => {
                 let meant = findings::namesake(absent);
@@ -83,6 +85,9 @@ pub(super) fn all<'f>(
         let more = proposed.arguments.iter();
         given.extend(more.map(|(name, value)| format!("{name}:={value}")));
         let mut next = Expansion::new(pairs(&given), find);
+        // Of all expansions the files are the same.
+        let read = &expansion.texts.sources.read;
+        next.texts.sources.read.clone_from(read);
         let Some(next_root) = next.document_with(path, &proposed) else {
             break;
         };

@@ -66,6 +66,22 @@ impl Value {
         }
     }
 
+    /// Whether scopes are in it: their numbers mean nothing to another expansion.
+    pub fn holds_scope(&self) -> bool {
+        match self {
+            Self::Scope(_) => true,
+            Self::List(values) | Self::Tuple(values) | Self::Set(values) => {
+                values.iter().any(Self::holds_scope)
+            }
+            Self::Dict(pairs) => {
+                let mut pairs = pairs.iter();
+                pairs.any(|(key, value)| key.holds_scope() || value.holds_scope())
+            }
+            Self::Method(of) => of.0.holds_scope(),
+            _ => false,
+        }
+    }
+
     /// Whether it counts as true.
     pub fn truth(&self) -> bool {
         match self {

@@ -1,19 +1,30 @@
 //! A document in xacro, after a zero a file that it can include, after another one a YAML file.
+//! What cannot be expanded is told, and expanded as if what is proposed were done.
 
 #[path = "../../../build/src/xacro/bind.rs"]
 mod bind;
+#[path = "../../../build/src/xacro/command.rs"]
+mod command;
+#[path = "../../../build/src/xacro/definitions.rs"]
+mod definitions;
 #[path = "../../../build/src/xacro/evaluate.rs"]
 mod evaluate;
 #[path = "../../../build/src/xacro/expand.rs"]
 mod expand;
 #[path = "../../../build/src/xacro/files.rs"]
 mod files;
+#[path = "../../../build/src/xacro/findings.rs"]
+mod findings;
 #[path = "../../../build/src/xacro/folders.rs"]
 mod folders;
+#[path = "../../../build/src/xacro/foreseen.rs"]
+mod foreseen;
 #[path = "../../../build/src/xacro/format.rs"]
 mod format;
 #[path = "../../../build/src/xacro/functions.rs"]
 mod functions;
+#[path = "../../../build/src/xacro/includers.rs"]
+mod includers;
 #[path = "../../../build/src/xacro/macros.rs"]
 mod macros;
 #[path = "../../../build/src/xacro/numbers.rs"]
@@ -38,6 +49,8 @@ mod texts;
 mod tree;
 #[path = "../../../build/src/xacro/value.rs"]
 mod value;
+#[path = "../../../build/src/xacro/values.rs"]
+mod values;
 #[path = "../../../build/src/xacro/yaml.rs"]
 mod yaml;
 
@@ -63,8 +76,17 @@ pub fn xacro(data: &[u8]) {
         let files = &mut expansion.texts.sources.read;
         files.insert(nowhere.join(name), text.into());
     }
-    let root = expansion.document(&nowhere.join("r"));
-    assert!(root.is_some() || !expansion.problems.is_empty());
+    let path = nowhere.join("r");
+    let mut root = expansion.document(&path);
+    let refused = !expansion.problems.is_empty();
+    assert!(root.is_some() || refused);
+    if refused {
+        // What is told, and what comes next.
+        let arguments = ["a:=1".to_owned()];
+        let (told, _, last, _) = foreseen::all(&path, &arguments, &find, (expansion, root));
+        assert!(!told.is_empty() && told.iter().all(|finding| !finding.message.is_empty()));
+        root = last;
+    }
     let Some(root) = root else {
         return;
     };
