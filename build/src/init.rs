@@ -10,6 +10,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::assemble::Guest;
 use urdf2fmu_core::diagnostic::Diagnostic;
+use urdf2fmu_core::diagnostic::words::shell;
 use urdf2fmu_core::model::{ActuatorMode, Arrays, Interface, Joint, JointKind, LinkId, Model};
 use urdf2fmu_core::settings::keys::{KEYS, Key};
 use urdf2fmu_core::settings::{
@@ -105,17 +106,6 @@ pub fn text(subject: &Subject) -> String {
     links(&mut out, &subject.model);
     outputs(&mut out, &subject.model);
     out
-}
-
-/// A word of a command line, as a shell takes it for one; a line of a comment has no control
-/// characters, whatever a name has.
-fn shell(word: &str) -> String {
-    let word = word.replace(char::is_control, " ");
-    let plain = |c: char| c.is_alphanumeric() || "_-./:=,+@%\\".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        return word;
-    }
-    format!("'{}'", word.replace('\'', "'\\''"))
 }
 
 /// A TOML string.

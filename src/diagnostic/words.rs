@@ -168,6 +168,17 @@ pub fn near_file(path: &Path) -> Option<PathBuf> {
     Some(path.with_file_name(near))
 }
 
+/// A word of a command line, as a shell takes it for one; a line of a comment has no control
+/// characters, whatever a name has.
+pub fn shell(word: &str) -> String {
+    let word = word.replace(char::is_control, " ");
+    let plain = |c: char| c.is_alphanumeric() || "_-./:=,+@%\\".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        return word;
+    }
+    format!("'{}'", word.replace('\'', "'\\''"))
+}
+
 /// Where a symbolic link leads at whose end there is nothing, as advice.
 pub fn of_dead_link(path: &Path) -> Option<String> {
     let aim = std::fs::read_link(path).ok().filter(|_| !path.exists())?;

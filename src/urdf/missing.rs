@@ -5,6 +5,7 @@ use super::checked::{CheckedRobot, Geometry};
 use super::mesh;
 use super::resolve::{Missing, Moved, Resolver};
 use super::scope::Scope;
+use crate::diagnostic::words::shell;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -144,7 +145,16 @@ pub(super) fn report(
             }
         }
         let mut message = format!("mesh not found: {filename}");
-        let mut help = missing.help();
+        let folders = list.iter().filter_map(|(_, missing)| match missing {
+            Missing::NotFound(missing) => missing.outside.clone(),
+            _ => None,
+        });
+        let mut help = match &missing.outside {
+            Some(folder) => {
+                missing.help_with(common(folders).as_ref().or(Some(folder)).map(|f| &**f))
+            }
+            None => missing.help(),
+        };
         if names.len() > 1 {
             let of = if package.is_empty() {
                 String::new()
@@ -272,10 +282,22 @@ pub(super) fn report_moved(scope: &mut Scope, robot: &CheckedRobot, resolver: &R
     }
 }
 
-/// What to do about a file outside of the robot's folders: one folder for all meshes that are.
-pub(super) fn outside_help(path: &Path, robot: &CheckedRobot, resolver: &Resolver) -> String {
+/// The folder that holds all of some folders, if it belongs to somebody.
+fn common(folders: impl Iterator<Item = PathBuf>) -> Option<PathBuf> {
     /// Not the folders of all users, nor the system's.
     const LEAST_DEPTH: usize = 3;
+    let common = |a: PathBuf, b: PathBuf| {
+        let above = a.ancestors().find(|above| b.starts_with(above));
+        above.unwrap_or(Path::new("")).to_owned()
+    };
+    folders.reduce(common).filter(|folder| {
+        let absolute = std::path::absolute(folder).unwrap_or_default();
+        absolute.components().count() > LEAST_DEPTH
+    })
+}
+
+/// What to do about a file outside of the robot's folders: one folder for all meshes that are.
+pub(super) fn outside_help(path: &Path, robot: &CheckedRobot, resolver: &Resolver) -> String {
     let nodes = robot.links.iter().map(|link| link.node);
     let shapes = nodes.flat_map(|link| {
         let collisions = link.children_named("collision");
@@ -287,18 +309,11 @@ pub(super) fn outside_help(path: &Path, robot: &CheckedRobot, resolver: &Resolve
         Err(Missing::Outside(path)) => Some(path.parent()?.to_owned()),
         _ => None,
     });
-    let common = |a: PathBuf, b: PathBuf| {
-        let above = a.ancestors().find(|above| b.starts_with(above));
-        above.unwrap_or(Path::new("")).to_owned()
-    };
-    let folder = folders.reduce(common).filter(|folder| {
-        let absolute = std::path::absolute(folder).unwrap_or_default();
-        folder.is_dir() && absolute.components().count() > LEAST_DEPTH
-    });
+    let folder = common(folders).filter(|folder| folder.is_dir());
     let leaf = || path.parent().unwrap_or(path).to_owned();
     format!(
         "an FMU takes no other files of this machine; if it belongs to the robot, pass --package-path {}",
-        folder.unwrap_or_else(leaf).display()
+        shell(&folder.unwrap_or_else(leaf).display().to_string())
     )
 }
 

@@ -4,6 +4,7 @@
 //! one all the same, so that what else is wrong with them is told in the same run.
 
 use super::checked::{CheckedJoint, CheckedLink, CheckedRobot, LinkReference, Order, Surface};
+use super::options::MissingMass;
 use super::scope::Scope;
 use crate::diagnostic::words::did_you_mean;
 use crate::model::JointKind;
@@ -47,6 +48,9 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
         .iter()
         .filter_map(|j| Some(j.child.as_ref()?.name))
         .collect();
+    let parents = robot.joints.iter().filter_map(|j| j.parent.as_ref());
+    let holding: HashSet<&str> = parents.map(|parent| parent.name).collect();
+    let massless = scope.missing_mass == MissingMass::All;
     let rootless = robot.links.iter().all(|link| held.contains(link.name));
     // Those that no joint holds, once all are written that one does.
     let tops = unknown.iter().filter(|name| !held.contains(*name)).count();
@@ -78,6 +82,11 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
                 if help.is_empty() {
                     let is_root = !held.contains(reference.name);
                     help = declared(reference.name, is_root, tops, rootless);
+                    // As written, it has no mass, and would be told next.
+                    let end = !is_root && !holding.contains(reference.name);
+                    if end && joint.kind != JointKind::Fixed && !massless {
+                        help.push_str(OF_MASS);
+                    }
                 }
                 if told {
                     scope.problem("U016", reference.at.clone(), &message, help);
@@ -135,6 +144,10 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
     }
     (complete && roots.len() == 1).then_some(order)
 }
+
+/// What else helps where a joint moves a link that is to be written.
+const OF_MASS: &str = "; what a joint moves needs mass: give the link an <inertial>, or pass \
+                       --missing-mass 0.1 for 0.1 kg";
 
 /// Advice on a link that does not exist, where none has a name that is near.
 ///

@@ -164,10 +164,12 @@ impl<'o> Resolver<'o> {
         // Nor does a file come to such a place by what is said of other ones.
         let first = first.filter(|_| unusual.is_none());
         let advice = unusual.unwrap_or(advice);
-        let advice = first.map_or(advice.clone(), |c| {
-            not_found::outside(&tidy(&c.path), &advice)
-        });
-        Err(Missing::NotFound(NotFound { tried, advice }))
+        let outside = first.and_then(|c| Some(tidy(&c.path).parent()?.to_owned()));
+        Err(Missing::NotFound(NotFound {
+            tried,
+            advice,
+            outside,
+        }))
     }
 
     /// A file that the mesh file `mesh` names, such as a texture: from the mesh's folder, or by its

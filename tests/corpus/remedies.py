@@ -7,10 +7,10 @@ import re
 import struct
 from pathlib import Path
 
-# A path ends with its line; blanks belong to it.
-PATH = r"(?:\"[^\"]+\"|'[^']+'|/[^\n;]*[^\s;,.)])"
+# As a shell reads a word.
+WORD = r"(?:'[^'\n]*'|[^\s;,'…]+)"
 ONE = (r"(?:--inertia (?:collision|nearest)|--density \d+(?:\.\d+)?|--missing-mass \d+(?:\.\d+)?|--compat pybullet"
-       rf"|--package (?:\"[^\"]+\"|'[^']+'|[^\s=]+=/\S+)|--package-path {PATH})")
+       rf"|--package (?!\S*=DIR)(?=\S*=){WORD}|--package-path (?!DIR){WORD})")
 # Options that follow each other belong together.
 OPTIONS = re.compile(rf"{ONE}(?: {ONE})*")
 ARGUMENT = re.compile(r"\b(\w+):=('[^']*'|\"[^\"]*\"|[^\s'\"]+)")

@@ -216,3 +216,72 @@ fn a_file_that_is_included_under_a_name_after_its_use_is_told() {
         assert_eq!(place["severity"], "error");
     }
 }
+
+/// Atlas of DRC: a link that is to be written is moved by a joint, and would have no mass.
+#[test]
+fn a_link_that_is_to_be_written_is_told_to_need_mass() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = |kind: &str, more: &str| {
+        format!(
+            "<robot name='r'><link name='palm'/><joint name='j' type='{kind}'>\
+             <parent link='palm'/><child link='head'/></joint>{more}</robot>"
+        )
+    };
+    let robot = write(folder.path(), "r.urdf", text("continuous", ""));
+    let (_, list) = findings(&robot, &[]);
+    let help = field(&list, "U016", "help");
+    let (link, option) = ("<link name=\"head\"/>", "--missing-mass 0.1");
+    assert!(help.contains(link) && help.contains(option), "{help}");
+    let robot = write(folder.path(), "r.urdf", text("continuous", link));
+    assert!(!findings(&robot, &[]).0);
+    assert!(findings(&robot, &["--missing-mass", "0.1"]).0);
+    // What does not move needs none.
+    let robot = write(folder.path(), "r.urdf", text("fixed", ""));
+    let (_, list) = findings(&robot, &[]);
+    assert!(!field(&list, "U016", "help").contains("mass"));
+}
+
+/// An arm with a gripper, each with meshes in a folder of another machine.
+#[test]
+fn meshes_that_are_missing_in_several_folders_outside_are_told_with_the_one_that_holds_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let far = folder.path().join("a/home/of/another");
+    let meshes = ["arm/a.stl", "gripper/b.stl"].map(|mesh| far.join(mesh));
+    let names = meshes.clone().map(|mesh| format!("file://{}", text(&mesh)));
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let own = folder.path().join("own/robot/urdf/of");
+    fs::create_dir_all(&own).unwrap();
+    let robot = write(&own, "r.urdf", mesh_robot(&names));
+    let (_, list) = findings(&robot, &[]);
+    let option = format!("pass --package-path {}\n", far.display());
+    assert!(field(&list, "U104", "help").contains(&option), "{list:?}");
+    for mesh in &meshes {
+        write(
+            mesh.parent().unwrap().parent().unwrap(),
+            text(&mesh.strip_prefix(&far).unwrap().to_path_buf()),
+            tetrahedron(),
+        );
+    }
+    assert!(findings(&robot, &["--package-path", text(&far)]).0);
+}
+
+/// The folders of a project on somebody's desktop: what is offered is typed as it stands.
+#[test]
+fn folders_with_blanks_are_offered_as_a_shell_takes_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path().join("my robot/of/the work");
+    write(&root, "other/Arm/package.xml", "<name>elsewhere</name>");
+    write(&root, "arms/arm/meshes/a.stl", tetrahedron());
+    let robot = write(&root, "u/v/r.urdf", mesh_robot(&["arm/meshes/a.stl"]));
+    let (_, list) = findings(&robot, &[]);
+    let help = field(&list, "U104", "help");
+    let option = format!("--package-path '{}'", root.join("arms").display());
+    assert!(help.starts_with(&option), "{help}");
+    assert!(findings(&robot, &["--package-path", text(&root.join("arms"))]).0);
+    let call = mesh_robot(&["$(arg mesh)"]);
+    let call = call.replacen('>', " xmlns:xacro='http://wiki.ros.org/xacro'>", 1);
+    let robot = write(&root, "r.xacro", call);
+    let (_, list) = findings(&robot, &[]);
+    let offered = format!("give them after the file: '{}' mesh:=", text(&robot));
+    assert!(field(&list, "U006", "help").contains(&offered), "{list:?}");
+}

@@ -11,7 +11,7 @@ use super::texts::Texts;
 use super::values::{self, Known, Launches};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use urdf2fmu_core::diagnostic::words::of_dead_link;
+use urdf2fmu_core::diagnostic::words::{of_dead_link, shell};
 use urdf2fmu_core::diagnostic::{Diagnostic, Place, Severity, nearest};
 use urdf2fmu_core::folder;
 
@@ -284,7 +284,8 @@ fn finding(
             format!("{name}: {}", problem.message)
         };
         let help = format!(
-            "give them after the file: {name}{before} {}{reasons}",
+            "give them after the file: {}{before} {}{reasons}",
+            shell(&name.to_string()),
             call.join(" ")
         );
         (message, help)
@@ -427,7 +428,10 @@ fn setting(texts: &Texts, name: &str) -> String {
 /// The option that says where a package is.
 fn of_package(texts: &Texts, package: &str) -> String {
     match texts.sources.package_in_small_letters(package) {
-        Some(folder) => format!("pass --package {package}={}", folder.display()),
+        Some(folder) => {
+            let given = format!("{package}={}", folder.display());
+            format!("pass --package {}", shell(&given))
+        }
         None => format!(
             "pass --package {package}=DIR, or --package-path DIR where DIR holds the folder \
              '{package}'"

@@ -3,6 +3,7 @@
 use super::super::nearby::{self, Files};
 use super::super::packages::Remark;
 use super::{Candidate, Moved, Resolver, normal, other_case, percent_decoded, tidy};
+use crate::diagnostic::words::shell;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -107,7 +108,8 @@ impl Resolver<'_> {
             if let Some((package, file)) = package {
                 let others = self.packages.others(package).into_iter();
                 for folder in others.filter(|folder| folder.join(file).is_file()) {
-                    count(format!("--package {package}={}", folder.display()));
+                    let given = format!("{package}={}", folder.display());
+                    count(format!("--package {}", shell(&given)));
                 }
                 continue;
             }
@@ -118,7 +120,8 @@ impl Resolver<'_> {
             });
             let found = files.like(&name, false);
             if let Some(folder) = found.and_then(|file| nearby::package_of(file, &name)) {
-                count(format!("--package-path {}", folder.display()));
+                let folder = folder.display().to_string();
+                count(format!("--package-path {}", shell(&folder)));
             }
         }
         // Of equals the nearest, which comes first.

@@ -1,6 +1,6 @@
 //! The message about a file that was not found.
 
-use crate::diagnostic::words::near_file;
+use crate::diagnostic::words::{near_file, shell};
 use std::path::{Path, PathBuf};
 
 /// A mesh file that was not found.
@@ -10,10 +10,17 @@ pub struct NotFound {
     pub tried: Vec<PathBuf>,
     /// What to do.
     pub advice: String,
+    /// The folder where it is looked for first, if all places are outside of the robot's folders.
+    pub outside: Option<PathBuf>,
 }
 
 impl NotFound {
     pub fn help(&self) -> String {
+        self.help_with(self.outside.as_deref())
+    }
+
+    /// The message with another folder in place of [`Self::outside`].
+    pub fn help_with(&self, outside: Option<&Path>) -> String {
         use std::fmt::Write as _;
         /// More lines than this hide the advice.
         const MOST_SHOWN: usize = 5;
@@ -32,17 +39,17 @@ impl NotFound {
             let s = if more == 1 { "" } else { "s" };
             let _ = writeln!(text, "      and {more} more place{s}");
         }
-        text + &self.advice
+        text.push_str(&self.advice);
+        // Who puts the file there would be told next that it is not read from there.
+        if let Some(folder) = outside {
+            let _ = write!(
+                text,
+                "\nthat is outside of the robot's folders: with the file, pass --package-path {}",
+                shell(&folder.display().to_string())
+            );
+        }
+        text
     }
-}
-
-/// Advice on a name that means only places outside of the robot's folders: who puts the file there
-/// would be told next that it is not read from there.
-pub(super) fn outside(path: &Path, advice: &str) -> String {
-    let folder = path.parent().unwrap_or(path).display();
-    format!(
-        "{advice}\nthat is outside of the robot's folders: with the file, pass --package-path {folder}"
-    )
 }
 
 /// Advice on a name whose last part alone is that of one of the robot's files.
