@@ -102,8 +102,8 @@ class Remedies:
         """
         changed, left = False, []
         for finding in findings:
-            done = any([way(finding) for way in (self.option, self.mesh)]) or any(
-                way(finding) for way in (self.argument, self.package, self.same_name, self.meant, self.link, self.call,
+            done = any([way(finding) for way in (self.option, self.mesh, self.link)]) or any(
+                way(finding) for way in (self.argument, self.package, self.same_name, self.meant, self.call,
                                          self.include, self.later, self.beside))
             changed |= done
             if not done:
@@ -126,7 +126,8 @@ class Remedies:
 
     def option(self, finding):
         """The first options that are offered, and every package."""
-        found = OPTIONS.findall(finding["help"] or "")
+        # Nobody has the file that is to be there first.
+        found = OPTIONS.findall(re.sub(rf"with the file, pass --package-path {WORD}", "", finding["help"] or ""))
         # "put it there, or pass …" of what may be another package is a guess.
         if not found or "if another one is meant" in finding["help"]:
             return False
