@@ -3,7 +3,7 @@
 
 use super::checked::{CheckedRobot, Geometry};
 use super::mesh;
-use super::resolve::{Missing, Moved, Resolver};
+use super::resolve::{Missing, Moved, NotFound, Resolver};
 use super::scope::Scope;
 use crate::diagnostic::words::shell;
 use std::collections::BTreeMap;
@@ -145,16 +145,7 @@ pub(super) fn report(
             }
         }
         let mut message = format!("mesh not found: {filename}");
-        let folders = list.iter().filter_map(|(_, missing)| match missing {
-            Missing::NotFound(missing) => missing.outside.clone(),
-            _ => None,
-        });
-        let mut help = match &missing.outside {
-            Some(folder) => {
-                missing.help_with(common(folders).as_ref().or(Some(folder)).map(|f| &**f))
-            }
-            None => missing.help(),
-        };
+        let mut help = of_first(missing, &list);
         if names.len() > 1 {
             let of = if package.is_empty() {
                 String::new()
@@ -201,6 +192,18 @@ pub(super) fn report(
             help = format!("{option} finds {all}\n{help}");
         }
         scope.problem("U104", first.at.clone(), &message, help);
+    }
+}
+
+/// What helps with the first of some meshes, with the folder that holds all if they are outside.
+fn of_first(missing: &NotFound, list: &[(Lost, Missing)]) -> String {
+    let folders = list.iter().filter_map(|(_, missing)| match missing {
+        Missing::NotFound(missing) => missing.outside.clone(),
+        _ => None,
+    });
+    match &missing.outside {
+        Some(own) => missing.help_with(Some(&common(folders).unwrap_or_else(|| own.clone()))),
+        None => missing.help(),
     }
 }
 

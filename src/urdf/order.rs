@@ -48,9 +48,6 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
         .iter()
         .filter_map(|j| Some(j.child.as_ref()?.name))
         .collect();
-    let parents = robot.joints.iter().filter_map(|j| j.parent.as_ref());
-    let holding: HashSet<&str> = parents.map(|parent| parent.name).collect();
-    let massless = scope.missing_mass == MissingMass::All;
     let rootless = robot.links.iter().all(|link| held.contains(link.name));
     // Those that no joint holds, once all are written that one does.
     let tops = unknown.iter().filter(|name| !held.contains(*name)).count();
@@ -82,10 +79,8 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
                 if help.is_empty() {
                     let is_root = !held.contains(reference.name);
                     help = declared(reference.name, is_root, tops, rootless);
-                    // As written, it has no mass, and would be told next.
-                    let end = !is_root && !holding.contains(reference.name);
-                    if end && joint.kind != JointKind::Fixed && !massless {
-                        help.push_str(OF_MASS);
+                    if !is_root {
+                        help.push_str(of_mass(scope, robot, joint, reference.name));
                     }
                 }
                 if told {
@@ -148,6 +143,16 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
 /// What else helps where a joint moves a link that is to be written.
 const OF_MASS: &str = "; what a joint moves needs mass: give the link an <inertial>, or pass \
                        --missing-mass 0.1 for 0.1 kg";
+
+/// What else helps with a link that is to be written: it has no mass, which would be told next.
+fn of_mass(scope: &Scope, robot: &CheckedRobot, joint: &CheckedJoint, name: &str) -> &'static str {
+    let holds = |other: &CheckedJoint| other.parent.as_ref().is_some_and(|p| p.name == name);
+    let still = joint.kind == JointKind::Fixed || robot.joints.iter().any(holds);
+    if still || scope.missing_mass == MissingMass::All {
+        return "";
+    }
+    OF_MASS
+}
 
 /// Advice on a link that does not exist, where none has a name that is near.
 ///
