@@ -149,8 +149,9 @@ fn still(shape: Shape, at: Vec3) -> Model {
 /// Rigid impacts without friction act along the normals of the two planes. What lies on a floor
 /// and comes to a wedge keeps the cosine of its angle of its speed by an impact on the wedge, and
 /// the same of the rest by one on the floor, if its rear is thrown against that. Meshes of the same
-/// planes have 0.99 of √(E/E₀) left at 7.5° and 0.97 at 15°. The core of the wedge ends 12 mm before its toe, so
-/// that nothing was found to be near before it was that far over it, and was thrown back.
+/// planes have 0.99 of √(E/E₀) left at 7.5° and 0.97 at 15°. The core of the wedge ends 12 mm
+/// before its toe, so that nothing was found to be near before it was that far over it, and was
+/// thrown back.
 #[test]
 fn what_slides_onto_a_wedge_climbs_it() {
     let wedge = |angle: f64| {
