@@ -144,18 +144,24 @@ fn kept((p, o): (&Placed, &Placed), n: &Vec3, x: &Vec3) -> Option<Vec3> {
             .faces()
             .filter(|(n, height)| n.dot(&corner) > height - SEAM)
     };
-    let mut changed = false;
-    for face in there() {
+    // Two walls at a corner need not be at right angles: what leads over the second one is taken
+    // across the first, and the first is looked at once more.
+    let mut gone: Option<Vec3> = None;
+    for face in there().chain(there()) {
         let over = way_over(there().filter(|open| !is_closed(open, &d)), &face.0, &d);
-        let lean = over.dot(&d);
+        let over = match gone {
+            Some(gone) => (over - gone * gone.dot(&over)).try_normalize(LEAN),
+            None => Some(over),
+        };
+        let lean = over.map_or(0.0, |over| over.dot(&d));
         if lean > LEAN && is_closed(&face, &d) {
-            d -= over * lean;
-            changed = true;
+            d -= over.unwrap_or_default() * lean;
+            gone = over;
         }
     }
     // What points straight into a wall is deep in both solids, or in the corner between them.
     let d = d.try_normalize(STRAIGHT)?;
-    changed.then(|| p.R * d)
+    gone.map(|_| p.R * d)
 }
 
 /// The way along one of some open faces over its edge to a wall with the normal `n`: of the face
