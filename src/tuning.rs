@@ -313,6 +313,10 @@ pub const STEEP: f64 = 0.005;
 /// How many times it is, at most: the second time mends what the first has changed. At 0 fails
 /// `d8_a_passive_robot_never_gains_energy`; the second one saves steps at the floor.
 pub const SECANTS: u32 = 2;
+/// How many shares of secants are tried, at most, where all of them take more energy than the step
+/// made: each halves what the last ones have left open on a scale of powers. At 0 fails
+/// `what_slides_over_an_edge_between_two_boxes_goes_on`.
+pub const EASINGS: u32 = 6;
 
 /// `1/(tr I · tr I⁻¹)` of the inertia, 1/9 for a ball and 0 for a rod without thickness, below
 /// which a robot in flight keeps its angular velocity as it is: about the axis of a rod it would

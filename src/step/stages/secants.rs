@@ -8,7 +8,7 @@ use crate::state::Physical;
 use crate::step::attempt::Attempt;
 use crate::step::guards::{Books, gain};
 use crate::step::point::{Context, Point};
-use crate::tuning::SECANTS;
+use crate::tuning::{EASINGS, SECANTS};
 
 /// A step that has been solved.
 pub(in crate::step) struct Ending<'a> {
@@ -34,6 +34,54 @@ pub(in crate::step) struct Ended {
     pub(in crate::step) again: bool,
 }
 
+/// The share of its secants with which a step keeps its energy.
+///
+/// Where a depth jumps within microseconds, the way of the step is so short that the whole of a
+/// secant is a wall across it: the step then loses hundreds of times what it made without. It made
+/// energy with none of them and loses it with all; what is between is found from that, first on the
+/// line between both, then as the geometric mean of the largest share that makes energy and the
+/// least that loses it.
+struct Eased {
+    /// What the step makes without secants, as a multiple of what is allowed.
+    made: f64,
+    /// Largest share with which it makes energy, least share with which it loses too much, and the
+    /// one of now.
+    shares: [f64; 3],
+    /// How many shares have been tried.
+    times: u32,
+}
+
+impl Eased {
+    fn new() -> Self {
+        Self {
+            made: 0.0,
+            shares: [0.0, 1.0, 1.0],
+            times: 0,
+        }
+    }
+
+    /// What the secants of a step that makes `gain` are multiplied by next; none where it loses no
+    /// more than it made without, and, once eased, makes no more than `mended`.
+    fn next(&mut self, gain: f64, mended: f64) -> Option<f64> {
+        let makes = self.times > 0 && gain > mended;
+        let off = gain.is_finite() && (makes || gain < -self.made);
+        if !off || self.times == EASINGS {
+            return None;
+        }
+        let [low, high, now] = &mut self.shares;
+        *(if makes { &mut *low } else { &mut *high }) = *now;
+        let next = if *low > 0.0 {
+            (*low * *high).sqrt()
+        } else {
+            *now * self.made / (self.made - gain)
+        };
+        let by = next / *now;
+        *now = next;
+        self.times += 1;
+        Some(by)
+    }
+}
+
 impl Stages {
     /// Puts the step into an attempt by `finish`, which returns what that adds to its error; as
     /// long as it makes energy, solves it again with secants. None where that has no solution.
@@ -47,7 +95,7 @@ impl Stages {
     ) -> Option<Ended> {
         let Ending { here, from, .. } = *step;
         let [h, _] = step.lengths;
-        let mut made = 0.0;
+        let mut eased = Eased::new();
         for round in 0.. {
             let added = finish(self, there, attempt);
             let work = self.work(ctx, h);
@@ -55,15 +103,16 @@ impl Stages {
             let makes = ctx.rules.secants && gain > step.books.mended && gain.is_finite();
             let depths = &there.terms.contacts.depths;
             if round == 0 {
-                made = gain;
-            } else if round < SECANTS && gain < -made {
-                self.ease(made / (made - gain));
+                eased.made = gain;
+            } else if let Some(share) = eased.next(gain, step.books.mended) {
+                self.ease(share);
                 if !self.run_stages(ctx, (here, from), step.lengths, step.alike) {
                     break;
                 }
                 continue;
             }
-            if !makes || round == SECANTS || !self.find_secants(ctx, here, depths, h) {
+            let last = round == SECANTS || eased.times > 0;
+            if !makes || last || !self.find_secants(ctx, here, depths, h) {
                 return Some(Ended {
                     added,
                     gain,
@@ -77,10 +126,7 @@ impl Stages {
         None
     }
 
-    /// Leaves a share of all secants: so much that a step which would lose more energy than it has
-    /// made without them keeps it, as far as that goes with the share. Where a depth jumps within
-    /// microseconds the way is so short that the whole of a secant is a wall across it.
-    /// (`a_corner_that_comes_over_a_joint_goes_on`)
+    /// Leaves a share of all secants.
     fn ease(&mut self, share: f64) {
         for secant in &mut self.secants {
             secant.scale(share);
@@ -116,15 +162,9 @@ impl Stages {
                 continue;
             }
             // What is apart holds no energy, however far: a corner that comes over an edge is deep
-            // in what is behind it at once, and was a rounding away from that. A line to a depth
-            // that is not inside has to end outside, no matter where.
-            let error = |depth: f64, line: f64| {
-                if depth > 0.0 {
-                    depth - line
-                } else {
-                    -line.max(0.0)
-                }
-            };
+            // in what is behind it at once, and was a rounding away from that.
+            // (`a_corner_that_comes_over_a_joint_goes_on`)
+            let error = |depth: f64, line: f64| depth.max(0.0) - line.max(0.0);
             let errors = [error(start.depth, first.depth), error(*end, response.depth)];
             let depths = (errors, end.max(0.0) - start.depth.max(0.0));
             let found = Secant::new((ctx.tree, kin), contact, depths, (&self.way, h));
