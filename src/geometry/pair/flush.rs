@@ -148,7 +148,8 @@ fn kept((p, o): (&Placed, &Placed), n: &Vec3, x: &Vec3) -> Option<Vec3> {
     // across the first, and the first is looked at once more.
     let mut gone: Option<Vec3> = None;
     for face in there().chain(there()) {
-        let over = way_over(there().filter(|open| !is_closed(open, &d)), &face.0, &d);
+        let open = there().filter(|open| open.0.dot(&d) > LEAN && !is_closed(open, &d));
+        let over = way_over(open, &face.0, &d);
         let over = match gone {
             Some(gone) => (over - gone * gone.dot(&over)).try_normalize(LEAN),
             None => Some(over),
@@ -168,7 +169,7 @@ fn kept((p, o): (&Placed, &Placed), n: &Vec3, x: &Vec3) -> Option<Vec3> {
 /// that has, together with the wall, most of the direction `d`. The normal where there is none.
 fn way_over(open: impl Iterator<Item = Face>, n: &Vec3, d: &Vec3) -> Vec3 {
     let mut best = (0.0, *n);
-    for (up, _) in open.filter(|(up, _)| up.dot(d) > LEAN) {
+    for (up, _) in open {
         let Some(over) = (n - up * up.dot(n)).try_normalize(LEAN) else {
             continue;
         };
