@@ -258,7 +258,7 @@ fn meshes_that_are_missing_in_several_folders_outside_are_told_with_the_one_that
     for mesh in &meshes {
         write(
             mesh.parent().unwrap().parent().unwrap(),
-            text(&mesh.strip_prefix(&far).unwrap().to_path_buf()),
+            text(mesh.strip_prefix(&far).unwrap()),
             tetrahedron(),
         );
     }

@@ -103,15 +103,13 @@ impl Solid {
     #[cfg_attr(small, optimize(size))]
     pub fn new(shape: &Shape, thickness: f64) -> Self {
         let reach = shape.bounding_radius();
+        let is_round = matches!(shape, Shape::Sphere { .. } | Shape::Capsule { .. });
         let of = |core: Core, radius: f64, smallest: f64| Self {
             inner: core.clone(),
             core,
             radius,
             inner_radius: radius,
-            sharp: match shape {
-                Shape::Sphere { .. } | Shape::Capsule { .. } => 0.0,
-                _ => radius,
-            },
+            sharp: if is_round { 0.0 } else { radius },
             blend: rounding(smallest).max(LEAST_BLEND * reach),
             mesh: Mesh::default(),
             round: None,
@@ -183,10 +181,8 @@ impl Solid {
                 let (inner, inner_radius) = shrunk(&mesh, INNER * smallest);
                 let within = |c: &Vec3| nearest_of(&core, c);
                 let core_corners: Vec<Vec3> = mesh.corners.iter().map(within).collect();
-                let beyond = mesh.corners.iter().zip(&core_corners);
-                let beyond = beyond.map(|(corner, core)| (corner - core).norm() - r);
                 Self {
-                    sharp: beyond.fold(r, f64::max),
+                    sharp: sharpness(&mesh, &core_corners, r),
                     shares: Faces::new(&corners, thickness),
                     bars: Bar::edges(&mesh, &core_corners, r),
                     core_corners,
@@ -317,6 +313,13 @@ fn thickness_of(mesh: &Mesh) -> f64 {
 fn shrunk(mesh: &Mesh, r: f64) -> (Vec<Vec3>, f64) {
     let core = if r > 0.0 { moved_in(mesh, r) } else { None };
     core.map_or_else(|| (mesh.corners.clone(), 0.0), |core| (core, r))
+}
+
+/// See [`Solid::sharp`], of a hull whose core has the rounding `r`.
+fn sharpness(mesh: &Mesh, core_corners: &[Vec3], r: f64) -> f64 {
+    let corners = mesh.corners.iter().zip(core_corners);
+    let beyond = corners.map(|(corner, core)| (corner - core).norm() - r);
+    beyond.fold(r, f64::max)
 }
 
 /// The one of some places that is nearest to another one.

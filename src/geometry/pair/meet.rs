@@ -124,15 +124,7 @@ impl Meeting {
                     asked: Asked::Least,
                     ..limits
                 };
-                least = self.cover((a, b), (&n, all), points).least;
-                if let Some(round) = a.solid.round {
-                    let on = self.line((a, &round), b, (&n, all, Side::First), points).2;
-                    if on.is_finite() {
-                        // An end that is seen from its side is a sliver, which is over a face or
-                        // not by round-off (`the_depth_of_a_thin_wheel_on_an_edge_has_a_slope`).
-                        least = on + (on.min(least) - on) * facing(a, &n);
-                    }
-                }
+                least = self.least((a, b), (&n, all), points);
             }
             points.clear();
             if least.is_finite() {
@@ -193,6 +185,27 @@ impl Meeting {
         lower.face(b, &frame, 1.0, upper.heights.0 - limits.level);
         let pair = ((&*upper, &a.solid.mesh), (&*lower, &b.solid.mesh));
         cover(pair.0, pair.1, &frame, limits, work, points)
+    }
+
+    /// How high the lowest of `a` that lies over faces of `b` is above these, m.
+    fn least(
+        &mut self,
+        (a, b): (&Placed, &Placed),
+        (n, all): (&Vec3, Limits),
+        points: &mut Points,
+    ) -> f64 {
+        let least = self.cover((a, b), (n, all), points).least;
+        let Some(round) = a.solid.round else {
+            return least;
+        };
+        let on = self.line((a, &round), b, (n, all, Side::First), points).2;
+        if on.is_finite() {
+            // An end that is seen from its side is a sliver, which is over a face or not by
+            // round-off (`the_depth_of_a_thin_wheel_on_an_edge_has_a_slope`).
+            on + (on.min(least) - on) * facing(a, n)
+        } else {
+            least
+        }
     }
 
     /// What the line of `a` has in common with the faces of `b`.
