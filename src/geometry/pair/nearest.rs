@@ -198,6 +198,11 @@ pub(super) fn from_segment(p: &Vec3, u: &Vec3, b: &Placed) -> (Vec3, f64) {
     } else {
         (high, last, 1.0)
     };
+    let mut keep = |value: f64, apart: Vec3, place: f64| {
+        if value.abs() < best.0 {
+            best = (value.abs(), apart, place);
+        }
+    };
     let extents = match b.core {
         Core::Segment { half } | Core::Cylinder { half, .. } => [None, None, Some(*half)],
         Core::Box { half } => [Some(half.x), Some(half.y), Some(half.z)],
@@ -210,9 +215,7 @@ pub(super) fn from_segment(p: &Vec3, u: &Vec3, b: &Placed) -> (Vec3, f64) {
             // Also not where it is no number.
             if place > s && place < t {
                 let (value, apart) = at(place);
-                if value.abs() < best.0 {
-                    best = (value.abs(), apart, place);
-                }
+                keep(value, apart, place);
                 if value < 0.0 {
                     (s, low) = (place, value);
                 } else {
@@ -232,9 +235,7 @@ pub(super) fn from_segment(p: &Vec3, u: &Vec3, b: &Placed) -> (Vec3, f64) {
             break;
         }
         let (value, apart) = at(middle);
-        if value.abs() < best.0 {
-            best = (value.abs(), apart, middle);
-        }
+        keep(value, apart, middle);
         if value == 0.0 {
             break;
         }

@@ -164,9 +164,9 @@ impl Stages {
             // What is apart holds no energy, however far: a corner that comes over an edge is deep
             // in what is behind it at once, and was a rounding away from that.
             // (`a_corner_that_comes_over_a_joint_goes_on`)
-            let error = |depth: f64, line: f64| depth.max(0.0) - line.max(0.0);
-            let errors = [error(start.depth, first.depth), error(*end, response.depth)];
-            let depths = (errors, end.max(0.0) - start.depth.max(0.0));
+            let more = |depth: f64, than: f64| depth.max(0.0) - than.max(0.0);
+            let errors = [more(start.depth, first.depth), more(*end, response.depth)];
+            let depths = (errors, more(*end, start.depth));
             let found = Secant::new((ctx.tree, kin), contact, depths, (&self.way, h));
             let Some(found) = found else { continue };
             any = true;
