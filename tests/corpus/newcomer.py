@@ -13,7 +13,6 @@ come next is seen. A file of which something is left that nobody can give counts
 
 import json
 import os
-import re
 import subprocess
 import sys
 import tempfile
@@ -23,6 +22,7 @@ from pathlib import Path
 
 import ours
 from independent import counts
+from packages import firsts
 from remedies import Remedies
 
 # More runs are not of interest.
@@ -131,17 +131,6 @@ def judge(command, file, root, packages):
         return {"fate": "timeout", "runs": 0}
 
 
-def packages(folders):
-    """Name -> folder of every package."""
-    found = {}
-    for folder in folders:
-        for file in sorted(folder.rglob("package.xml")):
-            name = re.search(r"<name>\s*([^<\s]+)\s*</name>", file.read_text(errors="replace"))
-            if name:
-                found.setdefault(name.group(1), file.parent)
-    return found
-
-
 def report(answers):
     """The table, the worst first, and the files of its upper rows."""
     rows = Counter()
@@ -152,13 +141,7 @@ def report(answers):
                "timeout": "take too long"}
     for (fate, runs), number in sorted(rows.items(), key=lambda row: (-row[0][1], row[0][0])):
         print(f"{number:6} {meaning[fate]} {runs}")
-    total = Counter()
-    for answer in answers.values():
-        total.update(answer.get("counted", {}))
-    print("in those that load as they are:", dict(total))
-    for file, answer in answers.items():
-        for line in answer.get("wrong", []):
-            print(f"{file}: {line}")
+    ours.sum_up(answers, "in those that load as they are")
     for file, answer in answers.items():
         if answer["runs"] > 2:
             print(f"{file}: {answer['fate']}, {answer['runs']} runs")
@@ -170,7 +153,7 @@ def report(answers):
 def main():
     command, table, *folders = sys.argv[1:]
     folders = [Path(folder).resolve() for folder in folders]
-    known = packages(folders)
+    known = firsts(folders)
     files = [(file, root) for root in folders for file in sorted(root.rglob("*"))
              if file.suffix.lower() in (".urdf", ".xacro") and file.is_file()]
     with ThreadPoolExecutor(os.cpu_count()) as pool:

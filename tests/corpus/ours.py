@@ -6,6 +6,7 @@ import math
 import re
 import subprocess
 import tempfile
+from collections import Counter
 from pathlib import Path
 
 STEPS = 100
@@ -102,3 +103,14 @@ def lost(said, told):
         if mass > 0 and link not in said["inertials"] and link not in said["dense"]:
             wrong.append(f"masses of {link}: {mass}, but the file has none")
     return wrong, replaced
+
+
+def sum_up(answers, where):
+    """Prints how much there is in all files that were counted, and what is wrong with each."""
+    total = Counter()
+    for answer in answers.values():
+        total.update(answer.get("counted", {}))
+    print(f"{where}:", dict(total))
+    for file, answer in answers.items():
+        for line in answer.get("wrong", []):
+            print(f"{file}: {line}")

@@ -64,13 +64,7 @@ def main():
         told = dict(zip(files, pool.map(lambda file: judge(command, file), files), strict=True))
     for fate, number in Counter(answer["fate"] for answer in told.values()).items():
         print(f"{number:6} {fate}")
-    total = Counter()
-    for answer in told.values():
-        total.update(answer.get("counted", {}))
-    print("in those that load:", dict(total))
-    for file, answer in told.items():
-        for line in answer.get("wrong", []):
-            print(f"{file}: {line}")
+    ours.sum_up(told, "in those that load")
     for file, answer in told.items():
         if answer["fate"] == "refused":
             errors = answer.get("again", answer["errors"])

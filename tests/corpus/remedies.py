@@ -24,6 +24,9 @@ LATER = re.compile(r"it is defined behind this, in line \d+")
 CORRECTED = re.compile(r"if it is meant, correct the path in the URDF")
 SAMENAME = re.compile(r"have one file of that name, (/[^\n:]+)")
 BESIDE = re.compile(r"^(/[^\n]+?) lies beside it: name that one")
+# Where a robot begins and ends.
+BEGIN = re.compile(r"<robot\b[^>]*>")
+END = re.compile(r"(?=</robot>)")
 # Messages about something that is not there.
 LACKING = re.compile(r"not found|cannot be read|Git LFS|outside of the robot's folders|has no value|have no values"
                      r"|is not set|no such file", re.IGNORECASE)
@@ -190,15 +193,18 @@ class Remedies:
         quoted = re.findall(r"'([^']+)'", finding["message"])
         return bool(near) and any(self.replace(finding, old, near[1]) for old in reversed(quoted))
 
+    def put(self, element, behind):
+        """Writes an element behind a place of the file, unless it has it."""
+        text = read(self.file)
+        place = behind.search(text)
+        if element in text or not place:
+            return False
+        write(self.file, text[:place.end()] + element + text[place.end():])
+        return True
+
     def link(self, finding):
         missing = LINK.search(finding["help"] or "")
-        if not missing:
-            return False
-        text = read(self.file)
-        if missing[1] in text:
-            return False
-        write(self.file, text.replace("</robot>", f"{missing[1]}</robot>"))
-        return True
+        return bool(missing) and self.put(missing[1], END)
 
     def call(self, finding):
         """An attribute that the call of a macro lacks."""
@@ -218,16 +224,7 @@ class Remedies:
     def include(self, finding):
         """A file that is not included: before the element of the finding, at the latest."""
         missing = INCLUDE.search(finding["help"] or "")
-        if not missing:
-            return False
-        text = read(self.file)
-        if missing[1] in text:
-            return False
-        begin = re.search(r"<robot\b[^>]*>", text)
-        if not begin:
-            return False
-        write(self.file, text[:begin.end()] + missing[1] + text[begin.end():])
-        return True
+        return bool(missing) and self.put(missing[1], BEGIN)
 
     def later(self, finding):
         """A definition that stands behind its use: moved to the beginning."""
@@ -237,7 +234,7 @@ class Remedies:
             return False
         text = read(file)
         found = re.search(rf'<xacro:(macro|property)\s+name="{name[1]}"[^>]*?(/>|>.*?</xacro:\1>)', text, re.DOTALL)
-        begin = re.search(r"<robot\b[^>]*>", text)
+        begin = BEGIN.search(text)
         if not found or not begin or found.start() < begin.end():
             return False
         text = text[:found.start()] + text[found.end():]

@@ -18,6 +18,8 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from packages import packages
+
 # ROS 2's index of packages, as far as the xacro program asks it.
 INDEX = """
 import json, os
@@ -25,17 +27,6 @@ import json, os
 def get_package_share_directory(name):
     return json.loads(os.environ["URDF2FMU_PACKAGES"])[name]
 """
-
-
-def packages(folders):
-    """Name -> folders."""
-    found = {}
-    for folder in folders:
-        for file in sorted(folder.rglob("package.xml")):
-            name = re.search(r"<name>\s*([^<\s]+)\s*</name>", file.read_text(errors="replace"))
-            if name:
-                found.setdefault(name.group(1), []).append(file.parent)
-    return found
 
 
 def content(element):

@@ -94,7 +94,7 @@ def test_a_newcomer_does_what_is_said_and_loads_in_the_second_run(tmp_path):
     (tmp_path / "others" / "deep" / "e").mkdir(parents=True)
     (tmp_path / "others" / "deep" / "e" / "package.xml").write_text("<package><name>elsewhere</name></package>")
     roots = [tmp_path / "a" / "home" / "of" / "robots", tmp_path / "others"]
-    known = newcomer.packages(roots)
+    known = newcomer.firsts(roots)
     for name, (_, expected) in files.items():
         file = roots[0] / name.replace(".", "_") / name
         told = newcomer.judge(os.environ["URDF2FMU"], file, roots[0], known)
