@@ -115,6 +115,7 @@ impl Tree {
                 pairs: Vec::new(),
                 scenery: Scenery::default(),
                 has_ground: model.world.ground.is_some(),
+                ground_solid: None,
                 ground: Surface::default(),
             },
             dofs: Dofs {

@@ -3,7 +3,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::point::{ContactPoint, Rim, together};
-use crate::geometry::pair::{Nearby, Part, Patch, PatchPoint, Side, Solid};
+use crate::geometry::pair::{Nearby, Others, Part, Patch, PatchPoint, Side, Solid};
 use crate::kinematics::Kinematics;
 use crate::law::normal::Stiffening;
 use crate::spatial::{Pose, Vec3, quaternion_normalized, rotation_from_quaternion};
@@ -18,11 +18,16 @@ pub(super) struct Pair<'a> {
     poses: [Pose; 2],
     /// O of the first one's tree, seen from that of the second one.
     pub from: Vec3,
+    tree: &'a Tree,
+    kin: &'a Kinematics,
+    /// Places of both colliders.
+    places: [usize; 2],
 }
 
 impl<'a> Pair<'a> {
-    pub fn new(tree: &'a Tree, kin: &Kinematics, [a, b]: [usize; 2]) -> Option<Self> {
-        let colliders = in_order(tree, [a, b]);
+    pub fn new(tree: &'a Tree, kin: &'a Kinematics, places: [usize; 2]) -> Option<Self> {
+        let places = in_order(tree, places);
+        let colliders = places.map(|place| &tree.contact.colliders[place]);
         let [Some(first), Some(second)] = colliders.map(|c| c.solid.as_deref()) else {
             return None;
         };
@@ -40,20 +45,23 @@ impl<'a> Pair<'a> {
             solids: [first, second],
             poses,
             from,
+            tree,
+            kin,
+            places,
         })
     }
 
     /// Finds what both have in common within `reach`, m.
     pub fn touch(&self, patch: &mut Patch, reach: f64, nearby: Option<&mut Nearby>) -> bool {
-        let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
-        patch.find_near(a, b, reach, nearby)
+        let pair = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
+        patch.find_near(pair, Some(self), reach, nearby)
     }
 
     /// The same, and all that they have in common beyond `reach` once anything is near; tells
     /// whether [`Patch::limit`] makes what [`Self::touch`] finds of it for any reach.
     pub fn touch_whole(&self, patch: &mut Patch, reach: f64) -> bool {
-        let [a, b] = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
-        patch.find_whole(a, b, reach)
+        let pair = [0, 1].map(|i| (self.solids[i], &self.poses[i]));
+        patch.find_whole(pair, Some(self), reach)
     }
 
     /// Their poses, from O of the first one's tree.
@@ -203,7 +211,7 @@ pub fn can_pass(tree: &Tree) -> bool {
     let places = 0..tree.contact.colliders.len();
     places.clone().any(|a| {
         places.clone().skip(a + 1).any(|b| {
-            let solids = in_order(tree, [a, b]).map(|c| c.solid.as_deref());
+            let solids = ordered(tree, [a, b]).map(|c| c.solid.as_deref());
             let [Some(first), Some(second)] = solids else {
                 return false;
             };
@@ -212,14 +220,75 @@ pub fn can_pass(tree: &Tree) -> bool {
     })
 }
 
-/// The shapes at two places as they meet: the first one yields.
-fn in_order(tree: &Tree, [a, b]: [usize; 2]) -> [&TreeCollider; 2] {
-    let places = if tree.contact.colliders[b].yields {
+/// The places of two shapes as they meet: the first one yields.
+fn in_order(tree: &Tree, [a, b]: [usize; 2]) -> [usize; 2] {
+    if tree.contact.colliders[b].yields {
         [b, a]
     } else {
         [a, b]
-    };
-    places.map(|place| &tree.contact.colliders[place])
+    }
+}
+
+/// The shapes at two places as they meet.
+fn ordered(tree: &Tree, places: [usize; 2]) -> [&TreeCollider; 2] {
+    in_order(tree, places).map(|place| &tree.contact.colliders[place])
+}
+
+impl Others for Pair<'_> {
+    fn any(
+        &self,
+        first: bool,
+        (center, radius): (&Vec3, f64),
+        is: &mut dyn FnMut(&Solid, &Pose) -> bool,
+    ) -> bool {
+        let Self { tree, kin, .. } = self;
+        let [beside, above] = [usize::from(!first), usize::from(first)].map(|i| self.places[i]);
+        let colliders = &tree.contact.colliders;
+        let own = &colliders[beside];
+        let on_terrain = own.solid.as_ref().is_some_and(|solid| solid.is_terrain());
+        // Positions from O of the first one's tree.
+        let origin = kin.origins[self.colliders[0].tree];
+        let mut stands = |place: usize| {
+            let other = &colliders[place];
+            // Boxes and hulls know what stands still beside them.
+            let apart = own.body != other.body && (own.moves || other.moves) || on_terrain;
+            let pair = [place.min(above), place.max(above)];
+            let Some(solid) = other.solid.as_deref() else {
+                return false;
+            };
+            if place == beside || !apart || !tree.contact.may_touch(pair) {
+                return false;
+            }
+            let (X, from) = (&kin.X[other.body], kin.origins[other.tree] - origin);
+            let p = X.point(&other.X.p) + from;
+            let near = (p - center).norm() <= radius + other.radius;
+            near && is(
+                solid,
+                &Pose {
+                    R: X.R * other.X.R,
+                    p,
+                },
+            )
+        };
+        let x = center.x + origin.x;
+        tree.worked_movers().any(|(place, _)| stands(place))
+            || {
+                let still = tree.contact.scenery.within([x - radius, x + radius]);
+                still.into_iter().any(|still| stands(still.place))
+            }
+            || own.moves
+                && tree.contact.ground_solid.as_ref().is_some_and(|ground| {
+                    let there = Pose {
+                        p: -origin,
+                        ..Pose::IDENTITY
+                    };
+                    is(ground, &there)
+                })
+    }
+
+    fn level(&self) -> f64 {
+        self.spring(self.tree).reference
+    }
 }
 
 /// See [`Pair::mass`].
@@ -242,7 +311,7 @@ fn heavier_of<'a>(tree: &Tree, [a, b]: [&'a TreeCollider; 2]) -> &'a TreeCollide
 /// `d/k` at the depth 0. `places`: of its shapes, the lower one first; twice the same with the
 /// ground.
 pub fn light_touch(tree: &Tree, places: [usize; 2]) -> f64 {
-    let colliders = in_order(tree, places);
+    let colliders = ordered(tree, places);
     let (spring, mass) = if places[0] == places[1] {
         (&colliders[0].spring, tree.mass_in_impact(colliders[0].body))
     } else {

@@ -403,7 +403,10 @@ fn end(facets: &mut [Facet], place: [usize; 2], crests: &mut Vec<Crest>) {
     facets[place[0]].crests[place[1]] = Some(crests.len());
     let facet = &facets[place[0]];
     let sides = [facet.normal, facet.away(place[1])];
-    crests.push(Crest::new(facet.ends(place[1]), sides));
+    crests.push(Crest {
+        is_free: true,
+        ..Crest::new(facet.ends(place[1]), sides)
+    });
 }
 
 #[cfg(test)]

@@ -2,39 +2,45 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::Tree;
+use super::{Tree, TreeCollider};
 use crate::geometry::Shape;
 use crate::geometry::pair::Solid;
 use crate::spatial::Pose;
 use std::sync::Arc;
 
 impl Tree {
-    /// Tells boxes and hulls that do not move what covers their walls, or goes on as high as they
-    /// behind a gap, so that what slides from one to the next does not run against the edge between
-    /// them.
+    /// Tells boxes and hulls what covers their walls, or goes on as high as they behind a gap, of
+    /// all that stands still against them: so that what slides from one to the next does not run
+    /// against the edge between them.
     pub(super) fn join_solids(&mut self) {
         let colliders = &self.contact.colliders;
-        let still: Vec<(usize, Pose, Arc<Solid>)> = colliders
+        // What does not move, and each body that does, with its shapes in its own axes.
+        let body = |collider: &TreeCollider| collider.moves.then_some(collider.body);
+        let solids: Vec<(usize, Option<usize>, Pose, Arc<Solid>)> = colliders
             .iter()
             .enumerate()
-            .filter(|(_, collider)| !collider.moves)
             .filter_map(|(place, collider)| {
-                let X = self.trees[collider.tree].base.compose(&collider.X);
-                Some((place, X, collider.solid.clone()?))
+                let X = match body(collider) {
+                    Some(_) => collider.X,
+                    None => self.trees[collider.tree].base.compose(&collider.X),
+                };
+                Some((place, body(collider), X, collider.solid.clone()?))
             })
             .collect();
         let ground = self.contact.has_ground;
-        let ground = ground.then(|| Solid::new(&Shape::Plane, 0.0));
+        let ground = ground.then(|| Arc::new(Solid::new(&Shape::Plane, 0.0)));
         let moving = colliders.iter().filter(|collider| collider.moves);
         let widest = moving.fold(0.0_f64, |most, collider| most.max(collider.radius));
         let mut joined = Vec::new();
-        for (place, X, solid) in &still {
+        for (place, body, X, solid) in &solids {
             let back = X.inverse();
             let (mut beside, mut across) = (Vec::new(), Vec::new());
-            let others = still.iter().filter(|(other, ..)| other != place);
-            let others = others.map(|(_, other, shape)| (other, &**shape));
-            let ground = ground.as_ref().map(|plane| (&Pose::IDENTITY, plane));
-            for (other, shape) in others.chain(ground) {
+            let others = solids
+                .iter()
+                .filter(|(other, on, ..)| other != place && on == body);
+            let others = others.map(|(.., other, shape)| (other, &**shape));
+            let ground = ground.as_deref().filter(|_| body.is_none());
+            for (other, shape) in others.chain(ground.map(|plane| (&Pose::IDENTITY, plane))) {
                 let there = back.compose(other);
                 match solid.touched_by(shape, &there) {
                     Some(touches) => beside.push(touches),
@@ -48,6 +54,7 @@ impl Tree {
         for (place, solid) in joined {
             self.contact.colliders[place].solid = Some(solid);
         }
+        self.contact.ground_solid = ground;
     }
 }
 

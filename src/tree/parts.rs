@@ -160,6 +160,8 @@ pub struct Contacts {
     pub scenery: Scenery,
     /// Whether there is a ground.
     pub has_ground: bool,
+    /// What the ground is for shapes that touch others; none where there is none.
+    pub ground_solid: Option<Arc<Solid>>,
     /// Surface of the ground; filled by [`Tree::tune`].
     pub ground: Surface,
 }

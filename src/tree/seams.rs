@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::Tree;
+use super::{Tree, TreeCollider};
 use crate::geometry::Shape;
 use crate::geometry::pair::Solid;
 use crate::model::Model;
@@ -11,9 +11,9 @@ use crate::tuning::{EVEN_EDGE, SEAM};
 use std::sync::Arc;
 
 impl Tree {
-    /// Lets meshes and heights go on in the ground and in other terrain that begins where they end.
-    /// Each of them has a crest there, at which what slides across would stumble. Terrain that
-    /// stands where it stood, with the same shapes, is joined already.
+    /// Lets meshes and heights go on in the ground, in other terrain and in boxes and hulls that do
+    /// not move and begin where they end. Each of them has a crest there, at which what slides
+    /// across would stumble. Where all of these stand as they stood, they are joined already.
     ///
     /// - `before`: poses of the bases with which the shapes were joined, or none
     #[cfg_attr(small, optimize(size))]
@@ -32,14 +32,22 @@ impl Tree {
                 (place, base.compose(&collider.X), shape)
             })
             .collect();
-        let stood = |(place, X, _): &(usize, Pose, &Shape)| {
-            let collider = &self.contact.colliders[*place];
+        let still = |collider: &&TreeCollider| !collider.moves;
+        let stood = |collider: &TreeCollider| {
             let base = before.get(collider.tree);
-            base.is_some_and(|base| base.compose(&collider.X) == *X)
+            base.is_some_and(|base| *base == self.trees[collider.tree].base)
         };
-        if terrain.iter().all(stood) {
+        let mut all_still = self.contact.colliders.iter().filter(still);
+        if terrain.is_empty() || all_still.all(stood) {
             return;
         }
+        let solids: Vec<(Pose, Arc<Solid>)> = (self.contact.colliders.iter())
+            .filter(still)
+            .filter_map(|collider| {
+                let base = &self.trees[collider.tree].base;
+                Some((base.compose(&collider.X), collider.solid.clone()?))
+            })
+            .collect();
         let ground = (usize::MAX, Pose::IDENTITY, &Shape::Plane);
         let has_ground = self.contact.has_ground;
         let mut joined = Vec::new();
@@ -50,6 +58,10 @@ impl Tree {
                 for (_, X, shape) in others.chain(has_ground.then_some(&ground)) {
                     let ends = ends.map(|p| X.inverse().point(&p));
                     carry(shape, ends, &X.R.tr_mul(&n), parts);
+                }
+                for (X, solid) in &solids {
+                    let ends = ends.map(|p| X.inverse().point(&p));
+                    parts.extend(solid.carried(ends, &X.R.tr_mul(&n)));
                 }
             };
             // Also where there is no seam: other parameters may have moved it there before.

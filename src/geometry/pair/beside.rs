@@ -1,24 +1,56 @@
-//! What stands beside a solid, against it or across a gap.
+//! What stands beside a solid, and shuts its walls against what slides from one to the other.
 
-use crate::spatial::Vec3;
+#![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
+
+use crate::geometry::field::Field;
+use crate::geometry::surface::Surface;
+use crate::spatial::{Pose, Vec3};
+use std::sync::Arc;
 
 /// Outward unit normal of a flat face, and how far it is from the origin along that, m.
-pub(super) type Face = (Vec3, f64);
+pub type Face = (Vec3, f64);
 
-/// Faces of a solid that stands beside another one, in the axes of that.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Beside(Vec<Face>);
+/// What stands beside a solid, in the axes of that.
+#[derive(Clone, Debug)]
+pub enum Beside {
+    /// A solid with these faces.
+    Faces(Vec<Face>),
+    /// Heights, as they stand.
+    Field(Arc<Field>, Pose),
+    /// A mesh, as it stands.
+    Surface(Arc<Surface>, Pose),
+}
 
 impl Beside {
-    /// What has these faces.
-    pub(super) fn new(faces: Vec<Face>) -> Self {
-        Self(faces)
-    }
-
     /// Whether a place is inside, or not farther from it than `slack`, m.
     pub(super) fn holds(&self, x: &Vec3, slack: f64) -> bool {
-        self.0.iter().all(|(n, height)| n.dot(x) <= height + slack)
+        match self {
+            Self::Faces(faces) => faces.iter().all(|(n, height)| n.dot(x) <= height + slack),
+            Self::Field(field, X) => is_in(field, &X.inverse().point(x), slack),
+            Self::Surface(surface, X) => is_on(surface, &X.inverse().point(x), slack),
+        }
     }
+}
+
+impl PartialEq for Beside {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Faces(a), Self::Faces(b)) => a == b,
+            (Self::Field(a, X), Self::Field(b, Y)) => X == Y && Arc::ptr_eq(a, b),
+            (Self::Surface(a, X), Self::Surface(b, Y)) => X == Y && Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
+}
+
+/// Whether a place is below heights, or not farther above them than `slack`, m.
+pub(super) fn is_in(field: &Field, x: &Vec3, slack: f64) -> bool {
+    field.is_over(x) && field.below(x).is_some_and(|(_, depth)| -depth <= slack)
+}
+
+/// Whether a place is not farther from the triangles of a mesh than `slack`, m.
+pub(super) fn is_on(surface: &Surface, x: &Vec3, slack: f64) -> bool {
+    surface.is_any_near(x, slack, |facet| facet.apart(x).norm() <= slack)
 }
 
 /// A face of another solid, level with one of a solid, across a gap behind a wall of that; in the
@@ -30,5 +62,5 @@ pub struct Across {
     /// Normal of both level faces.
     pub(super) up: Vec3,
     /// All faces of the other one but that.
-    pub(super) sides: Beside,
+    pub(super) sides: Vec<Face>,
 }

@@ -5,7 +5,7 @@
 //! direction jumps where two axes overlap alike; only cores that meet come here, and these overlap
 //! by more than their rounding.
 
-use super::placed::Placed;
+use super::placed::{Placed, separation};
 use super::segments::segments;
 use crate::spatial::Vec3;
 
@@ -103,6 +103,34 @@ fn search(a: &Placed, b: &Placed) -> Search {
     search
 }
 
+/// Of some directions, and those of the faces and ends of both cores, the one that `acts` in which
+/// they overlap least, from `b` to `a`.
+pub(super) fn least_overlap_along(
+    (a, b): (&Placed, &Placed),
+    more: [Vec3; 2],
+    acts: impl Fn(&Vec3) -> bool,
+) -> Option<Vec3> {
+    let normals = |p: &Placed, i: usize| -> Option<Vec3> {
+        let end = p.solid.round.is_some().then(|| p.axis());
+        let normals = p.solid.mesh.normals.iter();
+        normals.map(|n| p.R * n).chain(end).nth(i)
+    };
+    let mut best: Option<(f64, Vec3)> = None;
+    let mut take = |n: Vec3| {
+        for n in [n, -n] {
+            let gap = separation(a, b, &n);
+            if best.is_none_or(|(most, _)| gap > most) && acts(&n) {
+                best = Some((gap, n));
+            }
+        }
+    };
+    more.into_iter().for_each(&mut take);
+    for p in [a, b] {
+        (0..).map_while(|i| normals(p, i)).for_each(&mut take);
+    }
+    best.map(|(_, n)| n)
+}
+
 /// A point in the midst of the overlap: where their axes are nearest, of what has one.
 pub(super) fn middle(a: &Placed, b: &Placed) -> Vec3 {
     let axis = |p: &Placed| {
@@ -116,7 +144,6 @@ pub(super) fn middle(a: &Placed, b: &Placed) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::pair::placed::separation;
     use crate::geometry::pair::tests::{any_rotation, at, cloud, cube, solid};
     use crate::testing::Random;
 

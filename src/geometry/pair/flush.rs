@@ -14,27 +14,15 @@
 
 use super::beside::{Across, Beside, Face};
 use super::core::{Core, Solid};
+use super::lowest::{lowest_of, places, skin};
 use super::nearest::Apart;
 use super::placed::{Placed, separation};
 use super::points::{Points, point};
+use super::shut::{Among, On};
 use crate::spatial::{Pose, Vec3};
 use crate::tuning::{EVEN_EDGE, LEAN, SEAM, STRAIGHT};
 
 impl Solid {
-    /// Flat faces of a polyhedron.
-    fn faces(&self) -> impl Iterator<Item = Face> + '_ {
-        let mesh = &self.mesh;
-        (0..mesh.normals.len()).map(|i| {
-            let n = mesh.normals[i];
-            (n, n.dot(&mesh.corners[mesh.face(i)[0]]))
-        })
-    }
-
-    /// Whether it is a box or a hull.
-    fn is_polyhedron(&self) -> bool {
-        matches!(self.core, Core::Box { .. } | Core::Corners(_)) && !self.mesh.normals.is_empty()
-    }
-
     /// Its faces where it stands at `X`, and its corners.
     fn placed_at(&self, X: &Pose) -> (Vec<Face>, Vec<Vec3>) {
         let faces = self.faces().map(|(n, height)| {
@@ -56,7 +44,19 @@ impl Solid {
         if matches!(other.core, Core::HalfSpace) {
             let n: Vec3 = X.R.column(2).into();
             let face = (n, n.dot(&X.p));
-            return (!is_apart(face, &self.mesh.corners)).then(|| Beside::new(vec![face]));
+            return (!is_apart(face, &self.mesh.corners)).then(|| Beside::Faces(vec![face]));
+        }
+        let (there, around) = (X.inverse().p, self.reach + SEAM);
+        match &other.core {
+            Core::Field(field) => {
+                let near = there.z - around <= field.highest(there.x, there.y, around);
+                return near.then(|| Beside::Field(field.clone(), *X));
+            }
+            Core::Surface(surface) => {
+                let near = surface.is_near(&there, around);
+                return near.then(|| Beside::Surface(surface.clone(), *X));
+            }
+            _ => {}
         }
         let near = X.p.norm() <= self.reach + other.reach + SEAM;
         if !near || !other.is_polyhedron() {
@@ -65,7 +65,7 @@ impl Solid {
         let (faces, there) = other.placed_at(X);
         let apart = faces.iter().any(|face| is_apart(*face, &self.mesh.corners))
             || self.faces().any(|face| is_apart(face, &there));
-        (!apart).then_some(Beside::new(faces))
+        (!apart).then_some(Beside::Faces(faces))
     }
 
     /// Where `other`, which stands at `X` in its own axes and is not against it, goes on as high as
@@ -95,10 +95,34 @@ impl Solid {
             across.extend(self.faces().filter(behind).map(|(wall, _)| Across {
                 wall,
                 up,
-                sides: Beside::new(sides.clone()),
+                sides: sides.clone(),
             }));
         }
         across
+    }
+
+    /// The part of a segment, from 0 to 1, that lies on one of its faces, with about that normal.
+    pub fn carried(&self, [a, b]: [Vec3; 2], normal: &Vec3) -> Option<[f64; 2]> {
+        if !self.is_polyhedron() {
+            return None;
+        }
+        let on = |(n, height): &Face| {
+            let is_on = |x: &Vec3| (n.dot(x) - height).abs() <= SEAM;
+            (n - normal).norm() < EVEN_EDGE && is_on(&a) && is_on(&b)
+        };
+        let level = self.faces().position(|face| on(&face))?;
+        let mut part = [0.0_f64, 1.0_f64];
+        for (_, (n, height)) in self.faces().enumerate().filter(|(i, _)| *i != level) {
+            let [from, to] = [a, b].map(|x| height - n.dot(&x));
+            let crossed = from / (from - to);
+            match (from < 0.0, to < 0.0) {
+                (true, true) => return None,
+                (true, false) => part[0] = part[0].max(crossed),
+                (false, true) => part[1] = part[1].min(crossed),
+                (false, false) => {}
+            }
+        }
+        (part[0] < part[1]).then_some(part)
     }
 
     /// The same with others beside it and across gaps; nothing where it has these already.
@@ -130,14 +154,21 @@ pub(super) struct Kept {
 /// has of those of covered walls is left out. Beside an open face it leaves out what leads along
 /// that over the edge to the wall, which at the toe of a wedge on the ground is nearly all.
 /// (`what_slides_onto_a_wedge_climbs_it`)
-fn kept((p, o): (&Placed, &Placed), n: &Vec3, x: &Vec3) -> Option<Vec3> {
-    if p.solid.beside.is_empty() && p.solid.across.is_empty() {
+fn kept(on: &On, n: &Vec3, x: &Vec3) -> Option<Vec3> {
+    let p = on.p;
+    if on.is_alone() || !p.solid.is_polyhedron() {
         return None;
     }
     let mut d = p.R.tr_mul(n);
+    // The normal of a face leans to no wall, and that of a wall stays.
+    if p.solid
+        .faces()
+        .any(|(n, _)| (n - d).norm_squared() < LEAN * LEAN)
+    {
+        return None;
+    }
     let x = edge(p.solid, &p.R.tr_mul(&(x - p.p)), &d);
-    let is_closed =
-        |face: &Face, d: &Vec3| is_covered(p.solid, *face, &x) || is_bridged((p, o), &face.0, d);
+    let is_closed = |face: &Face, d: &Vec3| on.is_closed(*face, &x, d);
     let corner = farthest(p.solid, &d);
     let there = || {
         p.solid
@@ -211,42 +242,6 @@ fn edge(solid: &Solid, x: &Vec3, d: &Vec3) -> Vec3 {
     x
 }
 
-/// Whether another solid covers a face beside the place `x` of it.
-fn is_covered(solid: &Solid, (n, height): Face, x: &Vec3) -> bool {
-    let beyond = x + n * (height - n.dot(x) + 2.0 * SEAM);
-    solid.beside.iter().any(|other| other.holds(&beyond, SEAM))
-}
-
-/// Whether `o` lies on what goes on as high as `p` behind the gap at its wall `n`, with a face that
-/// the direction `d` out of `p` leads out of; both in the axes of `p`. At a corner `d` leans to two
-/// walls.
-fn is_bridged((p, o): (&Placed, &Placed), n: &Vec3, d: &Vec3) -> bool {
-    let mut across = p.solid.across.iter();
-    across.any(|a| a.wall == *n && a.up.dot(d) > STRAIGHT && lies_on((p, o), a))
-}
-
-/// Whether `o` lies with a face or a flat end on what is level with `p` behind a gap.
-fn lies_on((p, o): (&Placed, &Placed), level: &Across) -> bool {
-    let (n, up) = (p.R * level.wall, p.R * level.up);
-    let lies = |x: Vec3| level.sides.holds(&p.R.tr_mul(&(x - p.p)), 0.0);
-    match o.core {
-        Core::Box { .. } | Core::Corners(_) => {
-            let least = lowest_of(places(o, &up), &up);
-            let lowest = || places(o, &up).filter(|x| up.dot(x) < least + o.solid.blend);
-            lowest().count() > 2 && lowest().any(lies)
-        }
-        // On its rim, the place that is farthest beyond the gap.
-        Core::Cylinder { radius, half } => {
-            let upright = o.axis().dot(&up);
-            let side = |n: &Vec3| n - o.axis() * o.axis().dot(n);
-            let rim = side(&n).try_normalize(STRAIGHT).unwrap_or_default() * *radius;
-            let end = o.axis() * if upright > 0.0 { -half } else { *half };
-            radius * side(&up).norm() < o.solid.blend && lies(o.p + end + rim)
-        }
-        _ => false,
-    }
-}
-
 /// The direction between two solids, from `b` to `a`, where one of them has covered walls to which
 /// `n` leans.
 ///
@@ -255,14 +250,21 @@ fn lies_on((p, o): (&Placed, &Placed), level: &Across) -> bool {
 /// left to point to, and what lies on the mat would be half its width deep in that.
 ///
 /// - `apart`: how they are along `n`
-pub(super) fn between(a: &Placed, b: &Placed, n: &Vec3, apart: &Apart) -> Option<Kept> {
+/// - `others`: what stands beside them
+pub(super) fn between(
+    (a, b): (&Placed, &Placed),
+    n: &Vec3,
+    apart: &Apart,
+    others: Option<&Among>,
+) -> Option<Kept> {
     let radii = a.solid.radius + b.solid.radius;
-    let of = |(p, o): (&Placed, &Placed), n: &Vec3, first| {
-        let outward = kept((p, o), n, &apart.middle)?;
+    let of = |on: &On, n: &Vec3, first| {
+        let (p, o) = (on.p, on.o);
+        let outward = kept(on, n, &apart.middle)?;
         // Both cores are as far apart as the shapes and what has been taken off them.
         let top = outward.dot(&p.support(&outward)) - (o.solid.radius - skin(o));
         // What of the other one is beyond a covered wall lies on what is there, and may be lower.
-        let over = places(o, &outward).filter(|x| is_over((p, o), &outward, x));
+        let over = places(o, &outward).filter(|x| is_over(on, &outward, x));
         let mut least = lowest_of(over, &outward);
         if least.is_infinite() {
             least = top + separation(o, p, &outward);
@@ -275,74 +277,53 @@ pub(super) fn between(a: &Placed, b: &Placed, n: &Vec3, apart: &Apart) -> Option
             least,
         })
     };
-    of((b, a), n, false).or_else(|| of((a, b), &-n, true))
+    let [below, above] =
+        [((b, a), false), ((a, b), true)].map(|(pair, first)| On::new(pair, first, others));
+    let kept = of(&below, n, false);
+    if kept.is_some() && below.rise() == f64::NEG_INFINITY {
+        return kept;
+    }
+    // Where what lies on two things level with each other is level with one of them, too, both
+    // ways are open. It presses on what carries it.
+    let other = of(&above, &-n, true);
+    if kept.is_none() || other.is_some() && above.rise() < below.rise() {
+        other
+    } else {
+        kept
+    }
 }
 
 /// Whether a place is on the solid's own side of all its walls that are covered, or bridged along
 /// `up` by `o`.
-fn is_over((p, o): (&Placed, &Placed), up: &Vec3, x: &Vec3) -> bool {
+fn is_over(on: &On, up: &Vec3, x: &Vec3) -> bool {
+    let p = on.p;
     let (x, up) = (p.R.tr_mul(&(x - p.p)), p.R.tr_mul(up));
-    let on = within(p.solid, &x);
-    p.solid.faces().all(|face| {
-        let closed = || is_covered(p.solid, face, &on) || is_bridged((p, o), &face.0, &up);
-        face.0.dot(&x) <= face.1 || !closed()
-    })
-}
-
-/// The lowest places of a solid: its sharp corners, the ends of what is round, or its centre.
-///
-/// The rounded edge of what leans is lower than its sharp one, and lower still beyond a wall.
-fn place(on: &Placed, down: &Vec3, index: usize) -> Option<Vec3> {
-    let (half, radius) = match (on.solid.round, on.core) {
-        (Some(round), _) => (round.half, if round.flat { round.radius } else { 0.0 }),
-        (None, Core::Point) => (0.0, 0.0),
-        _ => return on.solid.mesh.corners.get(index).map(|x| on.world(x)),
-    };
-    let end = on.axis() * if index == 0 { half } else { -half };
-    let across = down - on.axis() * on.axis().dot(down);
-    let radial = across.try_normalize(f64::MIN_POSITIVE).unwrap_or_default() * radius;
-    let count = if half > 0.0 { 2 } else { 1 };
-    (index < count).then(|| on.p + end + radial)
-}
-
-/// Radius of the ball that sweeps these places, m.
-fn skin(on: &Placed) -> f64 {
-    match on.core {
-        Core::Point | Core::Segment { .. } => on.solid.radius,
-        _ => 0.0,
-    }
-}
-
-/// All places of a solid that [`place`] gives.
-fn places<'a>(on: &'a Placed, up: &Vec3) -> impl Iterator<Item = Vec3> + 'a {
-    let down = -up;
-    (0..).map_while(move |i| place(on, &down, i))
-}
-
-/// How high the lowest of some places is along `up`, m; infinite without any.
-fn lowest_of(places: impl Iterator<Item = Vec3>, up: &Vec3) -> f64 {
-    places.fold(f64::INFINITY, |least, x| least.min(up.dot(&x)))
+    let place = within(p.solid, &x);
+    let mut faces = p.solid.faces();
+    faces.all(|face| face.0.dot(&x) <= face.1 || !on.is_closed(face, &place, &up))
 }
 
 /// Adds the lowest points of what lies on a solid with covered walls, as far as they are over it:
 /// they lose their shares as they rise by `blend` above the lowest one.
 ///
 /// - `gap`, `left`: of the lowest one, m; the share of all together
+/// - `others`: what stands beside both
 pub(super) fn lowest(
-    (a, b): (&Placed, &Placed),
+    ((a, b), others): ((&Placed, &Placed), Option<&Among>),
     kept: &Kept,
     (gap, left): (f64, f64),
     blend: f64,
     points: &mut Points,
 ) {
-    let (on, under) = if kept.first { (b, a) } else { (a, b) };
+    let (on, p) = if kept.first { (b, a) } else { (a, b) };
+    let under = On::new((p, on), kept.first, others);
     let up = kept.outward;
     let rise = |x: &Vec3| up.dot(x) - kept.least;
     let weight = |x: &Vec3| (1.0 - rise(x) / blend).clamp(0.0, 1.0);
     let total: f64 = places(on, &up).map(|x| weight(&x)).sum();
     for x in places(on, &up) {
         let (share, gap) = (left * weight(&x) / total, gap + rise(&x));
-        if share > 0.0 && is_over((under, on), &up, &x) {
+        if share > 0.0 && is_over(&under, &up, &x) {
             let middle = x - up * (skin(on) + 0.5 * gap);
             points.add(0, point(middle, -gap, share));
         }

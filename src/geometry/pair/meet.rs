@@ -4,9 +4,10 @@ use super::core::{Core, Round};
 use super::edges::along_edges;
 use super::flush;
 use super::nearest::{Apart, nearest};
-use super::placed::Placed;
+use super::placed::{Placed, separation};
 use super::points::{Points, Side, point};
 use super::polygon::{Asked, Cover, Limits, Polygons, cover};
+use super::shut::Among;
 use super::trace::{Trace, along_axes};
 use super::view::{Frame, Seen};
 use crate::spatial::Vec3;
@@ -63,20 +64,23 @@ impl Meeting {
     pub(super) fn find(
         &mut self,
         pair: (&Placed, &Placed),
+        others: Option<&Among>,
         reaches: [f64; 2],
         points: &mut Points,
     ) -> (Vec3, bool, bool) {
-        self.find_if(pair, reaches, |_| true, points)
+        self.find_along((pair, others), reaches, |apart| Some(apart.normal), points)
     }
 
-    /// The same, of a pair that `acts` only with some normals: no points with others.
+    /// The same, of a pair that acts only with some normals: no points with others.
     ///
+    /// - `along`: with which normal the pair acts where it lies so, if it does
+    /// - `others`: what stands beside both
     /// - `near`, `reach`: how near the shapes and, once they are, their points have to be, m
-    pub(super) fn find_if(
+    pub(super) fn find_along(
         &mut self,
-        (a, b): (&Placed, &Placed),
+        ((a, b), others): ((&Placed, &Placed), Option<&Among>),
         [near, reach]: [f64; 2],
-        acts: impl Fn(&Vec3) -> bool,
+        along: impl Fn(&Apart) -> Option<Vec3>,
         points: &mut Points,
     ) -> (Vec3, bool, bool) {
         if b.solid.is_terrain() {
@@ -88,10 +92,16 @@ impl Meeting {
         }
         self.flush = false;
         let (mut apart, mut gap, sharp) = gap(a, b, near);
-        if gap > near + sharp || !acts(&apart.normal) {
+        let acts = (gap <= near + sharp).then(|| along(&apart)).flatten();
+        let Some(normal) = acts else {
             return (apart.normal, apart.part < 1.0, apart.deep);
+        };
+        if normal != apart.normal {
+            let distance = separation(a, b, &normal);
+            gap += distance - apart.distance;
+            (apart.normal, apart.distance) = (normal, distance);
         }
-        let kept = flush::between(a, b, &apart.normal, &apart);
+        let kept = flush::between((a, b), &apart.normal, &apart, others);
         self.flush = kept.is_some();
         if let Some(kept) = &kept {
             apart.normal = if kept.first {
@@ -151,7 +161,7 @@ impl Meeting {
         }
         if let Some(kept) = kept {
             if left > 0.0 && gap <= near {
-                flush::lowest((a, b), &kept, (gap, left), blend, points);
+                flush::lowest(((a, b), others), &kept, (gap, left), blend, points);
             }
             return (n, blended, apart.deep);
         }

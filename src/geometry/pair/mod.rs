@@ -48,6 +48,7 @@ mod foot;
 mod gjk;
 mod hollow;
 mod lifts;
+mod lowest;
 mod meet;
 mod mesh;
 mod nearby;
@@ -58,6 +59,7 @@ mod points;
 mod polygon;
 mod ring;
 mod segments;
+mod shut;
 mod sink;
 mod surface;
 mod terrain;
@@ -71,12 +73,14 @@ pub use self::core::Solid;
 pub use self::lifts::Lifted;
 pub use self::nearby::Nearby;
 pub use self::points::{MOST_POINTS, PatchPoint, Rim, Side};
+pub use self::shut::Others;
 pub use self::terrain::{MOST_PARTS, Part};
 
 use self::core::Core;
 use self::meet::Meeting;
 use self::placed::{Placed, rank, separation};
 use self::points::Points;
+use self::shut::Among;
 use crate::spatial::{Pose, Vec3};
 
 /// By which share of two shapes' reach they must be farther apart than a query looks, so that it is
@@ -144,15 +148,15 @@ impl Patch {
     ///
     /// A half-space may be `a` or `b`; two half-spaces have nothing in common.
     pub fn find(&mut self, a: (&Solid, &Pose), b: (&Solid, &Pose), reach: f64) -> bool {
-        self.find_near(a, b, reach, None)
+        self.find_near([a, b], None, reach, None)
     }
 
-    /// The same with what was near when the same two shapes were looked at before, if one of them
-    /// is a mesh. That only saves time.
+    /// The same with what else stands there, and with what was near when the same two shapes were
+    /// looked at before, if one of them is a mesh, which only saves time.
     pub fn find_near(
         &mut self,
-        a: (&Solid, &Pose),
-        b: (&Solid, &Pose),
+        [a, b]: [(&Solid, &Pose); 2],
+        others: Option<&dyn Others>,
         reach: f64,
         nearby: Option<&mut Nearby>,
     ) -> bool {
@@ -162,8 +166,10 @@ impl Patch {
         let (above, below) = couple.ranked();
         if matches!(below.core, Core::Field(_) | Core::Surface(_)) {
             if !above.solid.is_terrain() {
+                let among = couple.among(others);
                 let scratch = (&mut self.meeting, &mut self.on_surface);
-                terrain::on_terrain(above, below, reach, scratch, nearby, &mut self.points);
+                let (pair, points) = ((above, below), &mut self.points);
+                terrain::on_terrain(pair, among.as_ref(), reach, scratch, nearby, points);
             }
             self.points.finish(&couple.origin, None, couple.swapped);
             self.count = terrain::parts(&mut self.points, &mut self.parts);
@@ -171,7 +177,7 @@ impl Patch {
             self.normal = self.parts[0].normal;
             return self.count > 0;
         }
-        self.meet(&couple, [reach; 2])
+        self.meet(&couple, others, [reach; 2])
     }
 
     /// Begins with nothing in common; none of what is certainly farther apart than `reach`, m.
@@ -187,11 +193,11 @@ impl Patch {
         (!far).then(|| Couple::new((a, X_WA), (b, X_WB)))
     }
 
-    /// Finds what a couple without terrain has in common; see [`Meeting::find_if`] for the reaches.
-    fn meet(&mut self, couple: &Couple, reaches: [f64; 2]) -> bool {
-        let found = self
-            .meeting
-            .find(couple.ranked(), reaches, &mut self.points);
+    /// Finds what a couple without terrain has in common; see [`Meeting::find_along`] for the reaches.
+    fn meet(&mut self, couple: &Couple, others: Option<&dyn Others>, reaches: [f64; 2]) -> bool {
+        let among = couple.among(others);
+        let (pair, points) = (couple.ranked(), &mut self.points);
+        let found = self.meeting.find(pair, among.as_ref(), reaches, points);
         (self.normal, self.blended, self.deep) = found;
         if couple.swapped {
             self.normal = -self.normal;
@@ -215,11 +221,16 @@ impl Patch {
     /// Finds all points of two shapes that are nearer than `reach`, m, however far these points are
     /// from each other; tells whether [`Self::limit`] makes of them what [`Self::find`] finds for
     /// any reach. Not of terrain.
-    pub fn find_whole(&mut self, a: (&Solid, &Pose), b: (&Solid, &Pose), reach: f64) -> bool {
+    pub fn find_whole(
+        &mut self,
+        [a, b]: [(&Solid, &Pose); 2],
+        others: Option<&dyn Others>,
+        reach: f64,
+    ) -> bool {
         let Some(couple) = self.begin(a, b, reach) else {
             return false;
         };
-        self.meet(&couple, [reach, f64::INFINITY])
+        self.meet(&couple, others, [reach, f64::INFINITY])
             && !self.meeting.flush
             && self.points.count() < MOST_POINTS
     }
@@ -262,6 +273,15 @@ impl<'a> Couple<'a> {
             origin,
             swapped: rank(a) > rank(b),
         }
+    }
+
+    /// What else stands there.
+    fn among<'b>(&self, others: Option<&'b dyn Others>) -> Option<Among<'b>> {
+        others.map(|others| Among {
+            others,
+            origin: self.origin,
+            swapped: self.swapped,
+        })
     }
 
     /// Both in the order of their rank.

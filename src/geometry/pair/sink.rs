@@ -4,6 +4,7 @@
 
 use super::placed::Placed;
 use super::points::{PatchPoint, Points};
+use super::shut::Among;
 use crate::spatial::Vec3;
 use crate::tuning::EVEN_EDGE;
 
@@ -13,16 +14,33 @@ pub(super) struct Sink<'a> {
     /// Gap from which on a point is left out, m.
     pub(super) reach: f64,
     points: &'a mut Points,
+    others: Option<&'a Among<'a>>,
 }
 
 impl<'a> Sink<'a> {
-    /// Into `points`, those on the terrain `ground` that are nearer than `reach`, m.
-    pub(super) fn new(ground: &'a Placed<'a>, reach: f64, points: &'a mut Points) -> Self {
+    /// Into `points`, those on the terrain `ground` that are nearer than `reach`, m; `others`: what
+    /// stands beside it.
+    pub(super) fn new(
+        ground: &'a Placed<'a>,
+        reach: f64,
+        points: &'a mut Points,
+        others: Option<&'a Among<'a>>,
+    ) -> Self {
         Self {
             ground,
             reach,
             points,
+            others,
         }
+    }
+
+    /// Whether something stands against one side of an edge at a place of it and goes on level with
+    /// the other one, so that there is no edge; `sides`: unit normals.
+    pub(super) fn goes_on(&self, x: &Vec3, sides: &[Vec3; 2]) -> bool {
+        self.others.is_some_and(|others| {
+            let sides = sides.map(|n| self.ground.R * n);
+            others.go_on(&self.ground.world(x), &sides)
+        })
     }
 
     /// Adds a point with the normal `n`.

@@ -21,10 +21,12 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::core::{Core, Solid};
+use super::deep::least_overlap_along;
 use super::deepest::Deepest;
 use super::hollow::{Side, part};
 use super::meet::Meeting;
 use super::nearby::{Nearby, Parts};
+use super::nearest::Apart;
 use super::own::{OwnPoints, is_far};
 use super::placed::{Placed, rank};
 use super::points::{PatchPoint, Points};
@@ -107,6 +109,20 @@ pub(super) fn on_surface(
             if deep && (!within() || !beside && is_off(surface, facet, over, about)) {
                 return;
             }
+            // A triangle that the middle is behind, as of what hangs over a crest, pushes nothing,
+            // but what is just behind it is not as deep as in the one beyond the crest.
+            let corner = point.x - facet.normal * (0.5 * point.depth);
+            let passed = |near: &Facet| {
+                let height = near.height(&corner);
+                let nearer = height <= 0.0 && -height < point.depth;
+                nearer
+                    && near.height(&shape.p) <= 0.0
+                    && near.is_over(&corner)
+                    && is_behind(near, facet)
+            };
+            if deep && surface.is_any_near(&corner, point.depth, passed) {
+                return;
+            }
             let place = OnFacet {
                 own,
                 facet: index,
@@ -138,9 +154,11 @@ pub(super) fn on_surface(
             let mut others = found.iter().filter(|(_, other)| other.own == this.own);
             let n = &facet(this).normal;
             let x = this.point.x;
+            let around = sink.reach + shape.solid.rounding();
             let alone = others.all(|(_, other)| other.beside)
-                && surface.is_any_near(&x, sink.reach + shape.solid.rounding(), |next| {
-                    (next.normal - n).norm() < CREST_SLACK && next.is_below(&x, 0.0)
+                && surface.is_any_near(&x, around, |next| {
+                    let near = next.height(&x).abs() <= around;
+                    near && (next.normal - n).norm() < CREST_SLACK && next.is_below(&x, 0.0)
                 });
             if !alone {
                 found[i].1.hidden = true;
@@ -246,13 +264,28 @@ fn on_crest(
     // Points are found only where the crest has a part.
     let acts =
         |normal: &Vec3| part_between(&outwards(normal), &crest.sides, (shape, &middle)) > 0.0;
-    let (normal, ..) = meeting.find_if(pair, [sink.reach; 2], acts, points);
+    let along = |apart: &Apart| {
+        if acts(&apart.normal) {
+            return Some(apart.normal);
+        }
+        // Deep in a shape the edge overlaps least with it towards any side of the shape, into the
+        // ground, too. It pushes along its own directions. Behind a free rim there is no ground.
+        let inwards = crest.sides.map(|n| outwards(&n));
+        let deep = apart.part < 1.0 && !crest.is_free;
+        deep.then(|| least_overlap_along(pair, inwards, acts))
+            .flatten()
+    };
+    let (normal, ..) = meeting.find_along((pair, None), [sink.reach; 2], along, points);
     if points.list().is_empty() {
         return;
     }
     let n = outwards(&normal);
     let share = part_between(&n, &crest.sides, (shape, &middle));
     for found in points.list() {
+        let place = found.x - crest.apart(&found.x);
+        if sink.goes_on(&place, &crest.sides) {
+            continue;
+        }
         let mut rim = found.rim;
         if let (true, Some(rim)) = (swapped, &mut rim) {
             rim.side = rim.side.other();

@@ -12,6 +12,7 @@ use super::meet::Meeting;
 use super::nearby::Nearby;
 use super::placed::Placed;
 use super::points::Points;
+use super::shut::Among;
 use super::sink::Sink;
 use super::{field, surface};
 use crate::spatial::Vec3;
@@ -33,10 +34,10 @@ pub struct Part {
     pub points: Range<usize>,
 }
 
-/// Adds the points of `a` on the terrain `b`, if it is uneven.
+/// Adds the points of `a` on the terrain `b`, if it is uneven; `others`: what stands beside it.
 pub(super) fn on_terrain(
-    a: &Placed,
-    b: &Placed,
+    (a, b): (&Placed, &Placed),
+    others: Option<&Among>,
     reach: f64,
     (meeting, scratch): (&mut Meeting, &mut surface::Scratch),
     nearby: Option<&mut Nearby>,
@@ -47,7 +48,7 @@ pub(super) fn on_terrain(
         p: b.R.tr_mul(&(a.p - b.p)),
         ..*a
     };
-    let mut sink = Sink::new(b, reach, points);
+    let mut sink = Sink::new(b, reach, points, others);
     match b.core {
         Core::Field(field) => field::on_field(&own, field, &mut sink),
         Core::Surface(surface) => {

@@ -44,6 +44,8 @@ pub struct Crest {
     pub along: Vec3,
     /// Between these, unit vectors, lie the directions in which it pushes.
     pub sides: [Vec3; 2],
+    /// Whether the surface ends there: nothing is behind it.
+    pub is_free: bool,
 }
 
 impl Crest {
@@ -57,6 +59,7 @@ impl Crest {
             half_length,
             along: half / half_length,
             sides,
+            is_free: false,
         }
     }
 }

@@ -116,7 +116,7 @@ pub(super) fn beside(
         let facet = &facets[*index];
         let away = facet.away(*edge);
         let crest = facet.crests[*edge].map(|crest| &crests[crest]);
-        crest.is_some_and(|crest| crest.sides == [facet.normal, away]) && {
+        crest.is_some_and(|crest| crest.is_free) && {
             let ends = facet.ends(*edge).map(|end| end + away * SEAM);
             parts.clear();
             carried(ends, &facet.normal, &mut parts);

@@ -25,6 +25,7 @@ mod dropped;
 mod ends;
 mod fine;
 mod fixed;
+mod flush;
 mod frames;
 mod free;
 mod hills;

@@ -78,7 +78,7 @@ fn what_is_found_whole_is_what_is_found_at_any_reach() {
         };
         let Y = at(X.p + place, R);
         let pair = ((&solids[0], &X), (&solids[1], &Y));
-        if !whole.find_whole(pair.0, pair.1, 0.0) {
+        if !whole.find_whole([pair.0, pair.1], None, 0.0) {
             continue;
         }
         let (points, normal) = (whole.points().to_vec(), whole.normal);

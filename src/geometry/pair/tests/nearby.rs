@@ -72,7 +72,7 @@ fn a_look_with_what_was_near_before_finds_the_same_bits() {
                 let reach = [0.0, 0.002, 0.01][look % 3];
                 let (a, b) = ((&shape, &X_WG.compose(&X)), (&ground, &X_WG));
                 let found = [
-                    with.find_near(a, b, reach, Some(&mut nearby)),
+                    with.find_near([a, b], None, reach, Some(&mut nearby)),
                     without.find(a, b, reach),
                 ];
                 assert_eq!(found[0], found[1], "round {round}, look {look}, seed 7");
