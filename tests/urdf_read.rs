@@ -56,7 +56,7 @@ fn links_come_parents_first_and_joints_like_their_children() {
     );
     let parents: Vec<usize> = robot.joints.iter().map(|j| j.parent).collect();
     assert_eq!(parents, [0, 1, 2, 0, 4, 5, 6]);
-    assert_eq!((robot.links[0].line, robot.joints[0].line), (5, 35));
+    assert_eq!((robot.links[0].tag.line, robot.joints[0].tag.line), (5, 35));
     assert_eq!(robot.sources, [robots().join("every_tag.urdf")]);
 }
 
@@ -319,7 +319,7 @@ fn byte_order_marks_and_line_ends_of_windows_are_accepted() {
     );
     assert_eq!(robot.name, "ä");
     assert_eq!(
-        (robot.links[0].name.as_str(), robot.links[0].line),
+        (robot.links[0].name.as_str(), robot.links[0].tag.line),
         ("b & \"c\"", 3)
     );
     assert!(robot.diagnostics.is_empty(), "{:?}", robot.diagnostics);

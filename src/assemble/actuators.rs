@@ -2,7 +2,7 @@
 
 use super::findings::{Findings, counted, listed};
 use super::initial::{Poses, reach};
-use super::robot::{Lines, is_scalar, kind_name};
+use super::robot::{Tags, is_scalar, kind_name};
 use crate::model::{Actuator, ActuatorMode, JointId, JointKind, Model};
 use crate::range::Range;
 use crate::settings::{ActuatorSettings, Compat, ModeChoice, Settings};
@@ -18,7 +18,7 @@ const SMALLEST_EFFORT: f64 = 1e-3;
 pub(super) fn add(
     model: &mut Model,
     poses: &Poses,
-    lines: &Lines,
+    tags: &Tags,
     settings: &Settings,
     findings: &mut Findings,
 ) {
@@ -49,9 +49,9 @@ pub(super) fn add(
         let ModeChoice::Commanded(mode) = mode else {
             continue;
         };
-        if let [first, ..] = lines.interfaces[j][..]
+        if let [first, ..] = tags.interfaces[j][..]
             && choice.mode.or(settings.default_mode).is_none()
-            && !lines.interfaces[j].contains(&mode)
+            && !tags.interfaces[j].contains(&mode)
         {
             other_interface.push((first, &joint.name));
         }
@@ -112,7 +112,7 @@ pub(super) fn add(
             listed(&names)
         );
         let help = "set [[actuator]] max_effort, or mode = \"none\"";
-        findings.warning("A114", findings.line(lines.joints[first]), message, help);
+        findings.warning("A114", findings.tag(&tags.joints[first]), message, help);
     }
     report_interfaces(&other_interface, findings);
     if !without_gains.is_empty() {

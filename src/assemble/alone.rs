@@ -115,14 +115,14 @@ fn assemble(
         loops::close(&mut model, &given, (&places, true), findings);
     }
     let poses = initial::poses(&model);
-    let (shapes, lines) = (&robot.shapes, &robot.lines);
-    let poses = inertia::complete(&mut model, poses, shapes, lines, settings, findings);
+    let (shapes, tags) = (&robot.shapes, &robot.tags);
+    let poses = inertia::complete(&mut model, poses, shapes, tags, settings, findings);
     initial::height(&mut model, &poses, settings, findings);
     sink::warn(&model, &poses, settings, findings);
     warn_of_gravity(&model.world, findings);
     idle::report(&model, &robot.shapes, settings, findings);
     idle::of_actuators(&model, settings, findings);
-    actuators::add(&mut model, &poses, &robot.lines, settings, findings);
+    actuators::add(&mut model, &poses, &robot.tags, settings, findings);
     actuators::report_velocity_limits(&model, findings);
     wheels::warn(&model, &poses, &polygons, findings);
     if !findings.has_errors() {

@@ -173,11 +173,11 @@ fn seems_bolted(robot: &Robot, on_base: &[bool]) -> Option<String> {
 /// Warns of a link that stands for the world and hangs on a fixed joint, which fixes no base; tells
 /// whether there is one.
 fn world_hangs(robot: &Robot, findings: &mut Findings) -> bool {
-    let mut joints = robot.joints.iter().zip(&robot.lines.joints);
+    let mut joints = robot.joints.iter().zip(&robot.tags.joints);
     let found = joints.find(|(joint, _)| {
         joint.kind == JointKind::Fixed && robot.links[joint.child.index()].name == WORLD
     });
-    if let Some((joint, line)) = found {
+    if let Some((joint, tag)) = found {
         let (name, base) = (&joint.name, &robot.links[0].name);
         let message = format!(
             "the base '{base}' is floating, because the link '{WORLD}' is the child of joint \
@@ -186,7 +186,7 @@ fn world_hangs(robot: &Robot, findings: &mut Findings) -> bool {
         let help = format!(
             "exchange <parent> and <child> of joint '{name}', if the robot is bolted down, or {MOUNT}"
         );
-        let place = findings.line(*line);
+        let place = findings.tag(tag);
         findings.warning("A107", place, message, &help);
     }
     found.is_some()
@@ -196,7 +196,7 @@ fn world_hangs(robot: &Robot, findings: &mut Findings) -> bool {
 /// by itself, and nothing of it is the robot that one means; tells whether there is one.
 fn falls_alone(robot: &Robot, on_base: &[bool], findings: &mut Findings) -> bool {
     let moving = || {
-        let joints = robot.joints.iter().zip(&robot.lines.joints);
+        let joints = robot.joints.iter().zip(&robot.tags.joints);
         joints.filter(|(joint, _)| on_base[joint.parent.index()] && joint.kind != JointKind::Fixed)
     };
     let shapeless = robot.shapes.iter().zip(on_base);
@@ -210,7 +210,7 @@ fn falls_alone(robot: &Robot, on_base: &[bool], findings: &mut Findings) -> bool
         below[joint.parent.index()] += below[joint.child.index()];
     }
     let largest = moving().max_by_key(|(joint, _)| below[joint.child.index()]);
-    let (true, true, Some((joint, line))) = (shapeless, loose, largest) else {
+    let (true, true, Some((joint, tag))) = (shapeless, loose, largest) else {
         return false;
     };
     let (base, body) = (&robot.links[0].name, &robot.links[joint.child.index()].name);
@@ -226,7 +226,7 @@ fn falls_alone(robot: &Robot, on_base: &[bool], findings: &mut Findings) -> bool
          '{}', or list '{body}' in [outputs] links to follow it",
         joint.name
     );
-    let place = findings.line(*line);
+    let place = findings.tag(tag);
     findings.warning("A107", place, message, &help);
     true
 }
@@ -263,7 +263,7 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
         let message = format!("nothing in '{}' has mass: it stands still", robot.name);
         let help =
             "the ground is the FMU's own, [world] ground; give a link mass if it should move";
-        let place = findings.line(robot.lines.links[0]);
+        let place = findings.tag(&robot.tags.links[0]);
         findings.warning("A107", place, message, help);
         return Base {
             motion: Motion::Welded,
@@ -309,7 +309,7 @@ pub(super) fn choose_base(robot: &mut Robot, settings: &Settings, findings: &mut
                 && let Some(why) = seems_bolted(robot, &on_base)
             {
                 let message = format!("the base '{name}' is floating, but {why}");
-                let place = findings.line(robot.lines.links[0]);
+                let place = findings.tag(&robot.tags.links[0]);
                 findings.warning("A107", place, message, MOUNT);
             } else {
                 let message = format!(
@@ -338,9 +338,9 @@ fn leave_out_root(robot: &mut Robot, settings: &Settings, findings: &mut Finding
     robot.weighed.remove(0);
     robot.wheels.remove(0);
     robot.mimics.remove(0);
-    robot.lines.links.remove(0);
-    robot.lines.joints.remove(0);
-    robot.lines.interfaces.remove(0);
+    robot.tags.links.remove(0);
+    robot.tags.joints.remove(0);
+    robot.tags.interfaces.remove(0);
     for (l, link) in robot.links.iter_mut().enumerate() {
         link.joint = l.checked_sub(1).map(JointId::from);
     }

@@ -3,7 +3,7 @@
 use crate::diagnostic::words::{likeliest, nearest};
 use crate::diagnostic::{Diagnostic, Place, Severity, TOLD};
 use crate::pattern::Pattern;
-use crate::urdf::Description;
+use crate::urdf::{Description, Tag};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -32,53 +32,19 @@ impl Findings {
         }
     }
 
-    /// A line of the URDF, its tag marked; none where the robot was not read from a file.
-    pub(super) fn line(&self, line: usize) -> Option<Place> {
-        let file = self.file.clone().filter(|_| line > 0)?;
-        let start = self.starts.get(line - 1).copied();
-        let text = start.map_or("", |start| &self.text[start..]);
-        let text = text.lines().next().unwrap_or_default();
-        // A line that is too long to show is left out.
-        let text = if text.len() > 10_000 { "" } else { text };
-        let indent = text.len() - text.trim_start().len();
-        let tag = text.trim();
-        let tag = tag.find('>').map_or(tag, |end| &tag[..=end]);
+    /// The place of a tag of the URDF; none where the robot was not read from a file.
+    pub(super) fn tag(&self, tag: &Tag) -> Option<Place> {
+        let file = self.file.as_ref().filter(|_| tag.line > 0)?;
+        // From the start of its line on, so that none is counted again.
+        let start = self.starts.get(tag.line - 1).copied();
+        let start = start.filter(|start| *start <= tag.at.start && tag.at.end <= self.text.len());
+        let (text, at) = start.map_or(("", 0..0), |start| {
+            (&self.text[start..], tag.at.start - start..tag.at.end - start)
+        });
         Some(Place {
-            file,
-            line,
-            column: text[..indent].chars().count() + 1,
-            length: tag.chars().count().max(1),
-            text: text.to_owned(),
+            line: tag.line,
+            ..Place::in_text(file, text, at)
         })
-    }
-
-    /// The place of the link or joint that a message names, where its line has several: of a URDF
-    /// in one line, whatever is found would be at its start.
-    fn narrowed(&self, place: Place, message: &str) -> Place {
-        let start = self.starts.get(place.line.wrapping_sub(1));
-        let (Some(&start), true) = (start, self.file.as_ref() == Some(&place.file)) else {
-            return place;
-        };
-        let line = self.text[start..].lines().next().unwrap_or_default();
-        let tag_of = |name: &str| {
-            let named = ["\"", "'"].map(|quote| format!(" name={quote}{name}{quote}"));
-            let begins = line.match_indices('<').map(|(begin, _)| &line[begin..]);
-            let mut tags = begins.map(|tag| &tag[..tag.find('>').map_or(tag.len(), |end| end + 1)]);
-            tags.find(|tag| {
-                let part = ["<link", "<joint"].iter().any(|part| tag.starts_with(part));
-                part && named.iter().any(|named| tag.contains(named))
-            })
-        };
-        // What stands in quotation marks.
-        let Some(tag) = message.split('\'').skip(1).step_by(2).find_map(tag_of) else {
-            return place;
-        };
-        let begin = tag.as_ptr() as usize - line.as_ptr() as usize;
-        Place {
-            column: line[..begin].chars().count() + 1,
-            length: tag.chars().count(),
-            ..place
-        }
     }
 
     fn add(
@@ -89,7 +55,6 @@ impl Findings {
         message: String,
         help: &str,
     ) {
-        let place = place.map(|place| self.narrowed(place, &message));
         self.list.push(Diagnostic {
             severity,
             code,

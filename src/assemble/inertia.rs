@@ -5,7 +5,7 @@
 use super::findings::{Findings, counted, listed};
 use super::idle;
 use super::initial::Poses;
-use super::robot::Lines;
+use super::robot::Tags;
 use crate::dynamics::crba;
 use crate::geometry::Shape;
 use crate::model::{BodyId, LinkId, Model};
@@ -44,7 +44,7 @@ pub(super) fn complete(
     model: &mut Model,
     mut poses: Poses,
     shapes: &[Vec<CollisionDescription>],
-    lines: &Lines,
+    tags: &Tags,
     settings: &Settings,
     findings: &mut Findings,
 ) -> Poses {
@@ -70,7 +70,7 @@ pub(super) fn complete(
         };
         let changed = weak
             .iter()
-            .any(|&dof| from_solids(model, dof, shapes, lines, findings));
+            .any(|&dof| from_solids(model, dof, shapes, tags, findings));
         if !changed {
             let before = filled.len();
             if let Some(mass) = settings.missing_mass {
@@ -83,7 +83,7 @@ pub(super) fn complete(
             }
             if filled.len() == before {
                 let of_shapes = settings.inertia == InertiaSource::Collision;
-                report(model, &weak, lines, of_shapes, findings);
+                report(model, &weak, tags, of_shapes, findings);
                 return poses;
             }
         }
@@ -132,7 +132,7 @@ fn from_solids(
     model: &mut Model,
     dof: usize,
     shapes: &[Vec<CollisionDescription>],
-    lines: &Lines,
+    tags: &Tags,
     findings: &mut Findings,
 ) -> bool {
     let mut changed = false;
@@ -153,7 +153,7 @@ fn from_solids(
             "write it into the file to be sure of it:\n{}",
             element(&I_cm)
         );
-        findings.warning("A123", findings.line(lines.links[l]), message, &help);
+        findings.warning("A123", findings.tag(&tags.links[l]), message, &help);
     }
     changed
 }
@@ -234,7 +234,7 @@ fn row(pattern: &crate::sparsity::Sparsity, i: usize) -> &[u32] {
 /// One error for all links that lack inertia.
 ///
 /// - `of_shapes`: whether inertias are computed from the shapes already
-fn report(model: &Model, weak: &[usize], lines: &Lines, of_shapes: bool, findings: &mut Findings) {
+fn report(model: &Model, weak: &[usize], tags: &Tags, of_shapes: bool, findings: &mut Findings) {
     // From the base outwards, each once.
     let mut bodies: Vec<BodyId> = weak.iter().map(|&dof| model.dofs[dof].body).collect();
     bodies.sort_by_key(|body| body.index());
@@ -284,7 +284,7 @@ fn report(model: &Model, weak: &[usize], lines: &Lines, of_shapes: bool, finding
     if links.len() > 1 {
         const MOST: usize = 60;
         let shown = links.iter().take(MOST).map(|link| {
-            let line = lines.links[link.index()];
+            let line = tags.links[link.index()].line;
             format!("'{}' (line {line})", model.links[link.index()].name)
         });
         let _ = write!(help, "they are {}", shown.collect::<Vec<_>>().join(", "));
@@ -310,7 +310,7 @@ fn report(model: &Model, weak: &[usize], lines: &Lines, of_shapes: bool, finding
         help.push_str("or fix the base: --fixed-base");
     }
     let code = if base && total <= 0.0 { "A105" } else { "A104" };
-    let place = findings.line(lines.links[first.index()]);
+    let place = findings.tag(&tags.links[first.index()]);
     findings.error(code, place, message, help.trim_end());
 }
 

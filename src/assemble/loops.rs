@@ -34,7 +34,7 @@ pub(super) fn of_file(
 ) -> Places {
     let mut places = Vec::new();
     for part in &description.closures {
-        let place = findings.line(part.line);
+        let place = findings.tag(&part.tag);
         let name = unique(model, &part.name);
         let link = |name: &String| {
             let found = model.links.iter().position(|link| link.name == *name);

@@ -128,7 +128,7 @@ pub(super) fn link_inertia(
                     link.name,
                     listed(&names)
                 );
-                findings.warning("A119", findings.line(link.line), message, "");
+                findings.warning("A119", findings.tag(&link.tag), message, "");
             }
         }
     }

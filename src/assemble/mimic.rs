@@ -31,7 +31,7 @@ pub(super) fn resolve(robot: &mut Robot, findings: &mut Findings) {
                 break;
             }
         }
-        let place = findings.line(robot.lines.joints[j]);
+        let place = findings.tag(&robot.tags.joints[j]);
         let name = &robot.joints[j].name;
         if steps > robot.joints.len() {
             let message = format!("joint '{name}' mimics itself by way of others");
@@ -61,7 +61,7 @@ fn direct(
 ) -> Option<(usize, f64, f64)> {
     let (target, multiplier, offset) = robot.mimics[j].as_ref()?;
     let joint = &robot.joints[j];
-    let place = findings.line(robot.lines.joints[j]);
+    let place = findings.tag(&robot.tags.joints[j]);
     if !is_scalar(joint.kind) {
         let message = format!(
             "joint '{}' {}: its <mimic> is not used",

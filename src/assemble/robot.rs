@@ -16,7 +16,7 @@ use crate::settings::{
 };
 use crate::spatial::Pose;
 use crate::tuning::REFERENCE_GRAVITY;
-use crate::urdf::{CollisionDescription, Description, JointDescription};
+use crate::urdf::{CollisionDescription, Description, JointDescription, Tag};
 
 /// Stribeck speed of a joint where the settings give none, rad/s or m/s.
 const DEFAULT_STRIBECK_VELOCITY: f64 = 0.01;
@@ -36,15 +36,15 @@ pub(super) struct Robot {
     pub(super) wheels: Vec<WheelChoice>,
     /// As in the file.
     pub(super) stands_still: bool,
-    pub(super) lines: Lines,
+    pub(super) tags: Tags,
 }
 
-/// What the URDF says of links and joints that the model does not keep: lines, interfaces.
-pub(super) struct Lines {
-    /// Per link.
-    pub(super) links: Vec<usize>,
-    /// Per joint.
-    pub(super) joints: Vec<usize>,
+/// What the URDF says of links and joints that the model does not keep: places, interfaces.
+pub(super) struct Tags {
+    /// Per link: its tag.
+    pub(super) links: Vec<Tag>,
+    /// Per joint: its tag.
+    pub(super) joints: Vec<Tag>,
     /// Per joint: what its hardware takes, as the file says.
     pub(super) interfaces: Vec<Vec<ActuatorMode>>,
 }
@@ -106,9 +106,9 @@ impl Robot {
                 })
                 .collect(),
             stands_still: description.stands_still,
-            lines: Lines {
-                links: description.links.iter().map(|link| link.line).collect(),
-                joints: description.joints.iter().map(|joint| joint.line).collect(),
+            tags: Tags {
+                links: description.links.iter().map(|link| link.tag.clone()).collect(),
+                joints: description.joints.iter().map(|joint| joint.tag.clone()).collect(),
                 interfaces: description
                     .joints
                     .iter()
@@ -343,7 +343,7 @@ fn model_joint(
     findings: &mut Findings,
 ) -> Joint {
     let scalar = is_scalar(joint.kind);
-    let place = || findings.line(joint.line);
+    let place = || findings.tag(&joint.tag);
     let place = place();
     let name = &joint.name;
     let mut damping = overrides.damping.unwrap_or(joint.damping);
@@ -444,14 +444,14 @@ fn limits(
             joint.name
         );
         let help = "correct them, or use type=\"continuous\"";
-        findings.warning("A117", findings.line(joint.line), message, help);
+        findings.warning("A117", findings.tag(&joint.tag), message, help);
         return None;
     }
     #[expect(clippy::float_cmp, reason = "a range without width")]
     if lower == upper {
         let message = format!("the limits of joint '{}' keep it at {lower}", joint.name);
         let help = "correct them, or use type=\"fixed\"";
-        findings.warning("A117", findings.line(joint.line), message, help);
+        findings.warning("A117", findings.tag(&joint.tag), message, help);
     }
     Some(Limits { lower, upper })
 }

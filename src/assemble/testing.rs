@@ -6,7 +6,7 @@ use crate::geometry::Shape;
 use crate::model::{JointKind, Limits, Model};
 use crate::settings::Settings;
 use crate::spatial::{Pose, RigidInertia, Vec3};
-use crate::urdf::{CollisionDescription, Description, JointDescription, LinkDescription};
+use crate::urdf::{CollisionDescription, Description, JointDescription, LinkDescription, Tag};
 
 /// A robot with a root link alone.
 pub(crate) fn robot(root: LinkDescription) -> Description {
@@ -17,9 +17,17 @@ pub(crate) fn robot(root: LinkDescription) -> Description {
     }
 }
 
+/// Where a tag stands of which only the line is known.
+fn line(line: usize) -> Tag {
+    Tag {
+        line,
+        ..Tag::default()
+    }
+}
+
 /// A frame without mass and shape.
 pub(crate) fn frame(name: &str) -> LinkDescription {
-    LinkDescription::frame(name, 7)
+    LinkDescription::frame(name, line(7))
 }
 
 /// A ball of `mass` kg and 0.1 m radius that touches nothing.
@@ -86,7 +94,7 @@ impl Description {
             armature: 0.0,
             interfaces: Vec::new(),
             mimic: None,
-            line: 9,
+            tag: line(9),
         });
         self.links.push(link);
         self

@@ -20,7 +20,7 @@ use crate::settings::{
 };
 use crate::spatial::{Pose, Vec3};
 use crate::urdf::{
-    CollisionDescription, Description, LinkDescription, VisualDescription, VisualShape,
+    CollisionDescription, Description, LinkDescription, Tag, VisualDescription, VisualShape,
 };
 
 /// Least length and width of a box that may be the ground, m.
@@ -331,7 +331,7 @@ pub fn solid(name: &str, shape: &Shape, mass: f64) -> Description {
             texture: None,
             line: 0,
         }],
-        ..LinkDescription::frame(name, 0)
+        ..LinkDescription::frame(name, Tag::default())
     })
 }
 

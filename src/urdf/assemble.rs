@@ -101,7 +101,7 @@ pub(super) fn description(
             stiffness: checked.surface.stiffness,
             damping: checked.surface.damping,
             inertia_scaling: checked.surface.inertia_scaling,
-            line: checked.line,
+            tag: checked.tag.clone(),
         });
     }
     let place: HashMap<&str, usize> = links
@@ -148,7 +148,7 @@ pub(super) fn description(
                 let multiplier = mimic.multiplier * own / other;
                 (mimic.joint.to_owned(), multiplier, mimic.offset * own)
             }),
-            line: checked.line,
+            tag: checked.tag.clone(),
         });
     }
     Some(Description {

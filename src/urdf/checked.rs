@@ -1,7 +1,7 @@
 //! A robot whose tags have been checked: every number is finite and in its range, every name is
 //! there.
 
-use super::description::ClosureDescription;
+use super::description::{ClosureDescription, Tag};
 use super::xml::{Attribute, Node};
 use crate::model::{ActuatorMode, JointKind};
 use crate::spatial::Vec3;
@@ -41,8 +41,7 @@ pub(super) struct Order {
 /// A link whose numbers have been checked.
 pub(super) struct CheckedLink<'d> {
     pub(super) node: Node<'d>,
-    /// 1-based
-    pub(super) line: usize,
+    pub(super) tag: Tag,
     /// Empty where there is none.
     pub(super) name: &'d str,
     /// Whether it is known by this name: it has one, and no other link had it before.
@@ -187,8 +186,7 @@ pub(super) struct Surface {
 /// A joint whose numbers have been checked.
 pub(super) struct CheckedJoint<'d> {
     pub(super) node: Node<'d>,
-    /// 1-based
-    pub(super) line: usize,
+    pub(super) tag: Tag,
     /// Empty where there is none.
     pub(super) name: &'d str,
     /// Whether it is known by this name: it has one, and no other joint had it before.

@@ -101,7 +101,7 @@ pub(super) fn read(scope: &mut Scope, names: &Names, node: Node, robot: &mut Che
             robot.closures.push(ClosureDescription {
                 name: name.to_owned(),
                 kind,
-                line: scope.report.line(node.tag_at().start),
+                tag: scope.tag(node),
             });
         }
         Err(why) => {

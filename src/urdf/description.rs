@@ -7,8 +7,18 @@ use crate::diagnostic::Diagnostic;
 use crate::geometry::Shape;
 use crate::model::{ActuatorMode, JointKind, Limits};
 use crate::spatial::{Mat3, Pose, RigidInertia, Vec3};
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// Where a tag stands in [`Description::text`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tag {
+    /// 1-based; 0 where there is no text.
+    pub line: usize,
+    /// Bytes of the text.
+    pub at: Range<usize>,
+}
 
 /// A checked URDF with its meshes read: a tree with parents before children (file order among
 /// siblings).
@@ -45,8 +55,8 @@ pub struct ClosureDescription {
     pub name: String,
     /// What it does.
     pub kind: ClosureDescriptionKind,
-    /// 1-based line of the element.
-    pub line: usize,
+    /// Where the element's tag stands.
+    pub tag: Tag,
 }
 
 /// What a note for another program closes.
@@ -147,8 +157,8 @@ pub struct LinkDescription {
     /// `<contact><inertia_scaling>`, where the file has one: PyBullet's factor on the inertia, used
     /// with its conventions.
     pub inertia_scaling: Option<f64>,
-    /// 1-based line of the `<link>` element.
-    pub line: usize,
+    /// Where the `<link>` tag stands.
+    pub tag: Tag,
 }
 
 impl Description {
@@ -173,8 +183,8 @@ impl Description {
 impl LinkDescription {
     /// A frame without mass and shape.
     ///
-    /// - `line`: 1-based, of the `<link>` element; 0 for none
-    pub fn frame(name: &str, line: usize) -> Self {
+    /// - `tag`: of the `<link>` element
+    pub fn frame(name: &str, tag: Tag) -> Self {
         Self {
             name: name.to_owned(),
             inertial: None,
@@ -189,7 +199,7 @@ impl LinkDescription {
             stiffness: None,
             damping: None,
             inertia_scaling: None,
-            line,
+            tag,
         }
     }
 }
@@ -324,6 +334,6 @@ pub struct JointDescription {
     pub interfaces: Vec<ActuatorMode>,
     /// `<mimic>`: name of the joint followed, multiplier, offset.
     pub mimic: Option<(String, f64, f64)>,
-    /// 1-based line of the `<joint>` element.
-    pub line: usize,
+    /// Where the `<joint>` tag stands.
+    pub tag: Tag,
 }

@@ -51,7 +51,7 @@ pub(super) fn check<'d>(scope: &mut Scope, node: Node<'d>, name: &'d str) -> Che
     }
     CheckedJoint {
         node,
-        line: scope.report.line(node.tag_at().start),
+        tag: scope.tag(node),
         name,
         own_name: true,
         kind,

@@ -2,6 +2,7 @@
 //! formats.
 
 use super::checked::{CheckedRobot, Geometry};
+use super::habits;
 use super::mesh;
 use super::resolve::{Missing, Moved, NotFound, Resolver};
 use super::scope::Scope;
@@ -9,9 +10,6 @@ use crate::diagnostic::words::shell;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-
-/// Endings of files that hold others.
-const PACKED: [&str; 7] = ["gz", "zip", "zae", "bz2", "xz", "7z", "zst"];
 
 /// A collision mesh that is missing.
 pub(super) struct Lost<'d> {
@@ -58,13 +56,10 @@ pub(super) fn report_unread(scope: &mut Scope, unread: &[Unread]) {
         let path = first.path.display();
         let message = format!("mesh {path} cannot be read{more}: {}", first.message);
         let help = match (&twins[..], list.len() - twins.len()) {
-            ([], _)
-                if mesh::unread_kind(&first.path.to_string_lossy())
-                    .is_some_and(|kind| PACKED.contains(&&*kind)) =>
-            {
-                "unpack the file, and name what is in it".to_owned()
+            ([], _) => {
+                let kind = mesh::unread_kind(&first.path.to_string_lossy());
+                habits::mesh(&kind.unwrap_or_default()).to_owned()
             }
-            ([], _) => "convert the mesh to STL or OBJ".to_owned(),
             ([twin], 0) => twin.clone(),
             ([twin, ..], 0) => format!("{twin}, and so for the others"),
             ([twin, rest @ ..], n) => format!(
@@ -179,7 +174,7 @@ pub(super) fn report(
         // Who finds the file would be told next that it cannot be read.
         let unread = names.iter().find_map(|name| mesh::unread_kind(name));
         if let Some(kind) = unread {
-            help = format!("{help}\n{}", instead_of_kind(&kind));
+            help = format!("{help}\n{}", habits::ending(&kind));
         }
         if let Some((option, count)) = resolver.advice(&names) {
             let all = if count == names.len() && count == 1 {
@@ -318,17 +313,4 @@ pub(super) fn outside_help(path: &Path, robot: &CheckedRobot, resolver: &Resolve
         "an FMU takes no other files of this machine; if it belongs to the robot, pass --package-path {}",
         shell(&folder.unwrap_or_else(leaf).display().to_string())
     )
-}
-
-/// What to do about a name whose ending, in small letters, is that of no mesh that is read.
-fn instead_of_kind(kind: &str) -> String {
-    // An address has more behind the ending, and a name may have marks around it.
-    let letters = kind.find(|c: char| !c.is_alphanumeric());
-    match letters.map(|end| &kind[end..]) {
-        Some(more) => format!("leave {more} out, which is no part of a file's name"),
-        None if PACKED.contains(&kind) => {
-            format!(".{kind} files are not read: unpack them, and name what is in them")
-        }
-        None => format!(".{kind} files are not read: convert them to STL or OBJ"),
-    }
 }

@@ -21,6 +21,7 @@ mod file;
 mod foreign;
 mod gltf;
 mod gyration;
+mod habits;
 mod hulls;
 mod image;
 mod inertia;
@@ -53,7 +54,7 @@ mod xml;
 
 pub use description::{
     ClosureDescription, ClosureDescriptionKind, CollisionDescription, Description, DrawnMesh,
-    ImageFormat, JointDescription, LinkDescription, MeshPart, Texture, VisualDescription,
+    ImageFormat, JointDescription, LinkDescription, MeshPart, Tag, Texture, VisualDescription,
     VisualShape,
 };
 pub use faces::LFS_POINTER;

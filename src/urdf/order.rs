@@ -75,10 +75,19 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
                 let known = known.map(|link| link.name);
                 // Not the link on the joint's other side.
                 let known = known.filter(|name| !own.contains(&Some(name)));
-                let mut help = did_you_mean(reference.name, known);
+                // Nor another one of a row: 'link0' is not what is meant by 'link8'.
+                let (row, others): (Vec<_>, Vec<_>) =
+                    known.partition(|known| of_one_row(known, reference.name));
+                let mut help = did_you_mean(reference.name, others);
                 if help.is_empty() {
                     let is_root = !held.contains(reference.name);
                     help = declared(reference.name, is_root, tops, rootless);
+                    if let ("", [first, ..]) = (&*help, &row[..]) {
+                        help = format!(
+                            "give the file of the whole robot if this is a part of it, or write \
+                             the name that is meant: '{first}' is another one of its row"
+                        );
+                    }
                     if !is_root {
                         help.push_str(of_mass(scope, robot, joint, reference.name));
                     }
@@ -152,6 +161,20 @@ fn of_mass(scope: &Scope, robot: &CheckedRobot, joint: &CheckedJoint, name: &str
         return "";
     }
     OF_MASS
+}
+
+/// Whether two names differ in numbers alone.
+fn of_one_row(a: &str, b: &str) -> bool {
+    let digit = |c: char| c.is_ascii_digit();
+    let letters = |name: &str| name.replace(digit, "");
+    let numbers = |name: &str| -> Vec<String> {
+        let words = name.split(|c| !digit(c)).filter(|word| !word.is_empty());
+        words
+            .map(|word| word.trim_start_matches('0').to_owned())
+            .collect()
+    };
+    let (first, second) = (numbers(a), numbers(b));
+    letters(a) == letters(b) && first.len() == second.len() && first != second
 }
 
 /// Advice on a link that does not exist, where none has a name that is near.
@@ -267,7 +290,7 @@ pub(super) fn mend<'d>(robot: &mut CheckedRobot<'d>, spare: &'d [String]) -> Ord
         let (parent, child) = (end(&robot.links[root], &at), end(&robot.links[i], &at));
         robot.joints.push(CheckedJoint {
             node: robot.links[i].node,
-            line: robot.links[i].line,
+            tag: robot.links[i].tag.clone(),
             name: name(),
             own_name: true,
             kind: JointKind::Fixed,
@@ -326,7 +349,7 @@ fn top(tops: &mut [usize], link: usize) -> usize {
 fn made_up<'d>(joint: &CheckedJoint<'d>, name: &'d str) -> CheckedLink<'d> {
     CheckedLink {
         node: joint.node,
-        line: joint.line,
+        tag: joint.tag.clone(),
         name,
         own_name: false,
         inertial: None,

@@ -2,6 +2,8 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::description::Tag;
+use super::habits;
 use super::numbers::{MOST_WORDS, Unread, hyphenated, parse, without_optenv};
 use super::options::{ImpossibleInertia, MissingMass};
 use super::xml::{Attribute, Node};
@@ -255,6 +257,15 @@ impl<'r, 'a> Scope<'r, 'a> {
         Some(first)
     }
 
+    /// Where the tag of an element stands.
+    pub(super) fn tag(&self, node: Node) -> Tag {
+        let at = node.tag_at();
+        Tag {
+            line: self.report.line(at.start),
+            at,
+        }
+    }
+
     /// `<origin>` below `node`: position as in the file, fixed-axis roll, pitch, yaw in rad.
     pub(super) fn origin(&mut self, node: Node) -> (Vec3, Vec3) {
         let Some(origin) = self.single(node, "origin") else {
@@ -306,13 +317,10 @@ impl<'r, 'a> Scope<'r, 'a> {
                     "<{}> attribute '{name}' is unknown and ignored",
                     node.name()
                 );
-                let help = if name.starts_with("quat") && known.contains(&"rpy") {
-                    "write quat_xyzw=\"x y z w\", with <robot version=\"1.1\">, or rpy".to_owned()
-                } else if name == "diameter" {
-                    "write radius=\"…\", which is half of it".to_owned()
-                } else {
-                    did_you_mean(name, known.iter().copied())
-                };
+                let help = habits::attribute(name, known).map_or_else(
+                    || did_you_mean(name, known.iter().copied()),
+                    str::to_owned,
+                );
                 self.warning("U019", at, &message, help);
             }
         }

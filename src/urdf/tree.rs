@@ -2,6 +2,7 @@
 
 use super::checked::{CheckedJoint, CheckedLink, CheckedRobot, LinkReference, Surface};
 use super::foreign;
+use super::habits;
 use super::scope::{Scope, Version};
 use super::xml::{Document, Node, is_unprintable};
 use super::{joint, link};
@@ -33,12 +34,9 @@ fn within(scope: &Scope, root: Node, other: &str) -> String {
             "put the <robot> of line {} into a file of its own",
             scope.report.line(robot.tag_at().start)
         ),
-        None => match other {
-            "launch" => "this is a launch file: give the URDF or .xacro file that it loads",
-            "package" => "this is the manifest of a package: give a URDF or .xacro file of it",
-            _ => "a URDF starts with <robot name=\"…\">",
-        }
-        .to_owned(),
+        None => habits::root(other)
+            .unwrap_or("a URDF starts with <robot name=\"…\">")
+            .to_owned(),
     }
 }
 
@@ -52,15 +50,14 @@ pub(super) fn check<'d>(
     refuse_xacro(scope, root, file)?;
     if root.name() != "robot" {
         let message = format!("the root element is <{}>, not <robot>", root.name());
-        let help = match root.name() {
-            "sdf" => "this is an SDF file: convert it to URDF first".to_owned(),
-            "mujoco" => "this is an MJCF file: convert it to URDF first".to_owned(),
-            "xacro" => "name the file .xacro, so that it is expanded".to_owned(),
-            other => within(scope, root, other),
+        let others = ["sdf", "mujoco", "xacro"].contains(&root.name());
+        let help = match habits::root(root.name()).filter(|_| others) {
+            Some(help) => help.to_owned(),
+            None => within(scope, root, root.name()),
         };
         scope.report.error("U007", root.name_at(), message, help);
         // What has links is meant as a robot.
-        if ["sdf", "mujoco", "xacro"].contains(&root.name()) || root.child("link").is_none() {
+        if others || root.child("link").is_none() {
             return None;
         }
     }
@@ -128,9 +125,9 @@ fn declare_world(scope: &mut Scope, robot: &mut CheckedRobot) {
     };
     let first = robot.joints.iter().find_map(|joint| {
         let at = on_world(&joint.parent)?;
-        Some((joint.node, joint.line, joint.name, at))
+        Some((joint.node, joint.tag.clone(), joint.name, at))
     });
-    let Some((node, line, name, at)) = first else {
+    let Some((node, tag, name, at)) = first else {
         return;
     };
     scope.owner = format!("joint '{name}'");
@@ -138,7 +135,7 @@ fn declare_world(scope: &mut Scope, robot: &mut CheckedRobot) {
     scope.warning("U016", at, message, "write <link name=\"world\"/>");
     robot.links.push(CheckedLink {
         node,
-        line,
+        tag,
         name: WORLD,
         own_name: true,
         inertial: None,

@@ -1,0 +1,51 @@
+//! What people write in a URDF as other programs and formats have it, and what to write in its
+//! place: root elements, attributes, and meshes in files of other kinds.
+
+/// Endings of files that hold others.
+const PACKED: [&str; 7] = ["gz", "zip", "zae", "bz2", "xz", "7z", "zst"];
+
+/// What to do about a document with this root element, if another program has it.
+pub(super) fn root(element: &str) -> Option<&'static str> {
+    Some(match element {
+        "sdf" => "this is an SDF file: convert it to URDF first",
+        "mujoco" => "this is an MJCF file: convert it to URDF first",
+        "xacro" => "name the file .xacro, so that it is expanded",
+        "launch" => "this is a launch file: give the URDF or .xacro file that it loads",
+        "package" => "this is the manifest of a package: give a URDF or .xacro file of it",
+        _ => return None,
+    })
+}
+
+/// What to write for an attribute that the element does not take.
+///
+/// - `known`: those that it takes
+pub(super) fn attribute(name: &str, known: &[&str]) -> Option<&'static str> {
+    if name.starts_with("quat") && known.contains(&"rpy") {
+        return Some("write quat_xyzw=\"x y z w\", with <robot version=\"1.1\">, or rpy");
+    }
+    (name == "diameter" && known.contains(&"radius"))
+        .then_some("write radius=\"…\", which is half of it")
+}
+
+/// What to do about a mesh in a file of a kind, in small letters, that is not read.
+pub(super) fn mesh(kind: &str) -> &'static str {
+    if PACKED.contains(&kind) {
+        "unpack the file, and name what is in it"
+    } else {
+        "convert the mesh to STL or OBJ"
+    }
+}
+
+/// What to do about the name of a mesh with an ending, in small letters, that is of no kind that is
+/// read.
+pub(super) fn ending(kind: &str) -> String {
+    // An address has more behind the ending, and a name may have marks around it.
+    let letters = kind.find(|c: char| !c.is_alphanumeric());
+    match letters.map(|end| &kind[end..]) {
+        Some(more) => format!("leave {more} out, which is no part of a file's name"),
+        None if PACKED.contains(&kind) => {
+            format!(".{kind} files are not read: unpack them, and name what is in them")
+        }
+        None => format!(".{kind} files are not read: convert them to STL or OBJ"),
+    }
+}
