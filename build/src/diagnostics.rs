@@ -112,32 +112,21 @@ pub fn render(finding: &Diagnostic, style: Style) -> String {
     text
 }
 
-/// Names that become one, with the line of the second.
+/// Names that become one, with the place of the second.
 pub fn clash(description: &Description, error: &TableError) -> Diagnostic {
     let message = error.to_string();
-    let links = description.links.iter().map(|link| (&link.name, link.line));
-    let joints = description
-        .joints
-        .iter()
-        .map(|joint| (&joint.name, joint.line));
+    let links = description.links.iter().map(|link| (&link.name, &link.tag));
+    let joints = description.joints.iter();
+    let joints = joints.map(|joint| (&joint.name, &joint.tag));
     // The later of those that the message names.
-    let line = links
+    let tag = links
         .chain(joints)
-        .filter(|(name, _)| message.contains(&format!("'{name}'")))
-        .map(|(_, line)| line)
-        .max();
+        .filter(|(name, tag)| tag.line > 0 && message.contains(&format!("'{name}'")))
+        .map(|(_, tag)| &tag.at)
+        .max_by_key(|at| at.start);
     let file = description.sources.first();
-    let place = line.zip(file).map(|(line, file)| {
-        let start = description
-            .text
-            .split_inclusive('\n')
-            .take(line.saturating_sub(1));
-        let start: usize = start.map(str::len).sum();
-        let text = &description.text[start..];
-        let indent = text.len() - text.trim_start().len();
-        let end = text.find('>').map_or(text.len(), |end| end + 1);
-        let range = start + indent..start + end.max(indent);
-        Place::in_text(&file.display().to_string(), &description.text, range)
+    let place = tag.zip(file).map(|(at, file)| {
+        Place::in_text(&file.display().to_string(), &description.text, at.clone())
     });
     Diagnostic {
         severity: Severity::Error,

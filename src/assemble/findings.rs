@@ -39,7 +39,10 @@ impl Findings {
         let start = self.starts.get(tag.line - 1).copied();
         let start = start.filter(|start| *start <= tag.at.start && tag.at.end <= self.text.len());
         let (text, at) = start.map_or(("", 0..0), |start| {
-            (&self.text[start..], tag.at.start - start..tag.at.end - start)
+            (
+                &self.text[start..],
+                tag.at.start - start..tag.at.end - start,
+            )
         });
         Some(Place {
             line: tag.line,

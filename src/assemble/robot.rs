@@ -107,8 +107,16 @@ impl Robot {
                 .collect(),
             stands_still: description.stands_still,
             tags: Tags {
-                links: description.links.iter().map(|link| link.tag.clone()).collect(),
-                joints: description.joints.iter().map(|joint| joint.tag.clone()).collect(),
+                links: description
+                    .links
+                    .iter()
+                    .map(|link| link.tag.clone())
+                    .collect(),
+                joints: description
+                    .joints
+                    .iter()
+                    .map(|joint| joint.tag.clone())
+                    .collect(),
                 interfaces: description
                     .joints
                     .iter()

@@ -130,6 +130,22 @@ pub struct FoundPackage {
     pub remark: Option<Remark>,
 }
 
+/// The workspace or the outermost repository that holds a folder, if one does.
+pub fn checkout(dir: &Path) -> Option<PathBuf> {
+    packages::around(&std::path::absolute(dir).ok()?).own
+}
+
+/// The folder above another one, unless it is of all users.
+pub fn above(dir: &Path) -> Option<PathBuf> {
+    let around = packages::around(&std::path::absolute(dir).ok()?);
+    around.folders.into_iter().nth(1)
+}
+
+/// The name of the package in a folder, by its `package.xml`.
+pub fn package_name(folder: &Path) -> Option<String> {
+    packages::manifest_name(folder)
+}
+
 /// Finds packages, looked for as for `package://`.
 pub fn package_finder<'o>(
     base_dir: &Path,

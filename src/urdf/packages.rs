@@ -11,6 +11,7 @@ mod tests;
 
 use super::options::ReadOptions;
 use crate::diagnostic::Severity;
+pub(super) use folder::manifest_name;
 use folder::{has_manifest, is_called, is_common, manifest_is, spellings};
 use index::{Index, MOST_ENTRIES};
 use std::cell::{OnceCell, RefCell};
@@ -253,17 +254,17 @@ impl<'o> Packages<'o> {
 
 /// Where packages are looked for around a robot.
 #[derive(Debug)]
-struct Around {
+pub(super) struct Around {
     /// Folders, each in the next one.
-    folders: Vec<PathBuf>,
+    pub(super) folders: Vec<PathBuf>,
     /// The workspace or the outermost repository that holds the robot.
-    own: Option<PathBuf>,
+    pub(super) own: Option<PathBuf>,
 }
 
 /// The folders around a robot: up to the outermost workspace, which has the robot in its `src` or
 /// `install`; without one some folders up, or to the outermost repository. Not the folders of all
 /// users, nor the system's.
-fn around(base: &Path) -> Around {
+pub(super) fn around(base: &Path) -> Around {
     /// How far up packages are looked for outside of a workspace
     /// (`packages_are_found_at_any_depth_of_the_workspace`).
     const HIGHEST: usize = 6;

@@ -181,3 +181,56 @@ fn a_key_that_a_file_does_not_have_is_told_with_those_that_it_has() {
     assert!(message.contains("tab.yaml: tabs "), "{message}");
     assert!(help.starts_with("correct that file"), "{help}");
 }
+
+/// The tools of the Stretch 4: a URDF that is a part of a robot in xacro, which says where its
+/// meshes are.
+#[test]
+fn meshes_below_an_argument_are_asked_for_with_the_folder_that_has_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    let meshes = root.join("a robot/tool/meshes");
+    write(&meshes, "t.stl", super::people::tetrahedron());
+    // Another tool has a file of the same name.
+    write(root, "a robot/other/meshes/t.stl", "solid");
+    write(root, "a robot/package.xml", "<name>stretch</name>");
+    let urdf = super::people::mesh_robot(&["$(arg mesh_dir)/t.stl"]);
+    let file = write(root, "a robot/tool/tool.urdf", urdf);
+    let whole = write(
+        root,
+        "a robot/all.xacro",
+        robot("<xacro:include filename='tool/tool.urdf'/>"),
+    );
+    let (ok, list) = findings(&file, &[]);
+    let errors = of_severity(&list, "error");
+    assert!(!ok && errors.len() == 1, "{list:?}");
+    let help = field(&list, "U006", "help");
+    let call = format!("tool.urdf' mesh_dir:='{}'", meshes.display());
+    assert!(help.contains(&call), "{help}");
+    let or = format!("or give a file that includes this one:\n{}", text(&whole));
+    assert!(help.ends_with(&or), "{help}");
+    let given = format!("mesh_dir:={}", meshes.display());
+    let (ok, list) = findings(&file, &[&given]);
+    assert!(ok, "{list:?}");
+}
+
+/// The Stretch 4 as a whole: a launch file composes the folders of its parts.
+#[test]
+fn a_file_that_is_missing_by_arguments_within_each_other_is_told_with_all_of_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = write(
+        folder.path(),
+        "r.xacro",
+        robot(
+            "<xacro:arg name='batch' default='none'/><xacro:arg name='home' default='nowhere'/>\
+             <xacro:arg name='of_model' default='$(arg home)/SE4_$(arg batch)'/>\
+             <xacro:include filename='$(arg of_model)/main.xacro'/>",
+        ),
+    );
+    let (ok, list) = findings(&file, &[]);
+    assert!(!ok);
+    assert_eq!(
+        field(&list, "U006", "help"),
+        "its path is made of arguments, batch ('none'), home ('nowhere'): give other ones after \
+         the file, batch:=… home:=…"
+    );
+}

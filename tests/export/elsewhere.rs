@@ -249,3 +249,26 @@ fn a_part_that_hangs_on_a_link_of_another_file_is_told_the_link_that_makes_it_lo
     );
     assert!(check(&format!("{link}{lone}")).0);
 }
+
+/// The hand of the Panda on its own: it hangs on the last link of the arm.
+#[test]
+fn a_link_is_not_offered_in_place_of_another_one_of_its_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let check = |link: &str| {
+        let content = format!(
+            "<robot name='r'><link name='{link}'/><link name='hand'>{BOX}</link>\
+             <joint name='j' type='fixed'><parent link='panda_link8'/><child link='hand'/></joint>\
+             </robot>"
+        );
+        let (ok, list) = findings(&write(folder.path(), "r.urdf", content), &[]);
+        assert!(!ok);
+        field(&list, "U016", "help")
+    };
+    assert_eq!(
+        check("panda_link0"),
+        "give the file of the whole robot if this is a part of it, or write the name that is \
+         meant: 'panda_link0' is another one of its row"
+    );
+    assert_eq!(check("panda_lnk8"), "did you mean 'panda_lnk8'?");
+    assert_eq!(check("panda_link08"), "did you mean 'panda_link08'?");
+}

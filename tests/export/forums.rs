@@ -236,3 +236,18 @@ fn in_a_urdf_of_one_line_the_element_is_told_and_not_the_line() {
         assert!(shown.contains(&format!("r.urdf:1:{}]", at + 1)), "{shown}");
     }
 }
+
+/// The message names the base first, and tells of the joint.
+#[test]
+fn in_a_urdf_of_one_line_a_finding_of_a_joint_is_at_the_joint() {
+    let folder = tempfile::tempdir().unwrap();
+    let joint = "<joint name='j' type='floating'>";
+    let text = robot("", "").replace("<joint name='j' type='revolute'>", joint);
+    let path = write(folder.path(), "r.urdf", &text);
+    let (_, list) = super::people::findings(&path, &[]);
+    let falls = list.iter().find(|f| f["code"] == "A107").unwrap();
+    let message = falls["message"].as_str().unwrap();
+    assert!(message.starts_with("the base 'base'") && message.contains("joint 'j'"));
+    assert_eq!(falls["column"], text.find(joint).unwrap() + 1, "{falls}");
+    assert_eq!(falls["length"], joint.len(), "{falls}");
+}

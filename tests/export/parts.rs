@@ -120,3 +120,97 @@ fn a_tag_of_xacro_without_its_prefix_is_told_how_it_is_written() {
     assert!(told("<include>").contains("written <xacro:include>"));
     assert!(!told("<propertys>").contains("<xacro:"));
 }
+
+/// What a finding of this code advises.
+fn help(file: &Path, code: &str) -> String {
+    let (ok, list) = findings(file, &[]);
+    assert!(!ok, "{list:?}");
+    field(&list, code, "help")
+}
+
+/// The layouts of thrusters of the WAM-V: the robot hands the name of the file to a macro.
+#[test]
+fn a_part_that_is_handed_on_as_a_value_names_the_robot_and_is_not_to_include_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    let manifest = "<package><name>boat</name></package>";
+    write(root, "boat/package.xml", manifest);
+    let layout = write(
+        root,
+        "boat/layouts/two.xacro",
+        robot("<link name='${namespace}/engine'/>"),
+    );
+    let hull = "<xacro:macro name='hull' params='layout'><link name='hull'/>\
+                <xacro:include filename='${layout}'/></xacro:macro>";
+    write(root, "boat/urdf/hull.xacro", robot(hull));
+    let whole = write(
+        root,
+        "boat/urdf/boat.urdf.xacro",
+        robot(
+            "<xacro:property name='namespace' value='wamv' scope='global'/>\
+             <xacro:include filename='$(find boat)/urdf/hull.xacro'/>\
+             <xacro:hull layout='$(find boat)/layouts/two.xacro'/>",
+        ),
+    );
+    let told = help(&layout, "U006");
+    let expected = format!("give a file that includes this one:\n{}", text(&whole));
+    assert_eq!(told, expected);
+}
+
+/// The engine of the WAM-V and batteries are macros in another package than the boat.
+#[test]
+fn a_part_of_another_package_names_the_robot_of_the_checkout() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path().join("home/of/repo");
+    for package in ["parts", "boat", "other"] {
+        let manifest = format!("<package><name>{package}</name></package>");
+        write(&root, &format!("{package}/package.xml"), manifest);
+    }
+    let macros = robot("<xacro:macro name='engine' params=''><link name='e'/></xacro:macro>");
+    let part = write(&root, "parts/urdf/engine.xacro", macros);
+    let including = |package: &str| {
+        robot(&format!(
+            "<xacro:include filename='$(find {package})/urdf/engine.xacro'/><xacro:engine/>"
+        ))
+    };
+    let whole = write(&root, "boat/urdf/boat.urdf.xacro", including("parts"));
+    // Another file of the same name.
+    write(&root, "other/urdf/r.xacro", including("other"));
+    let expected = format!("give a file that includes this one:\n{}", text(&whole));
+    assert_eq!(help(&part, "U010"), expected);
+    fs::create_dir(root.join(".git")).unwrap();
+    assert_eq!(help(&part, "U010"), expected);
+    // Without packages the folder above is near.
+    let part = write(
+        folder.path(),
+        "loose/parts/p.xacro",
+        robot("<xacro:macro name='p' params=''><link name='e'/></xacro:macro>"),
+    );
+    let whole = write(
+        folder.path(),
+        "loose/r.xacro",
+        robot("<xacro:include filename='parts/p.xacro'/><xacro:p/>"),
+    );
+    let expected = format!("give a file that includes this one:\n{}", text(&whole));
+    assert_eq!(help(&part, "U010"), expected);
+}
+
+/// Two layouts of one boat: to include the one in the other gives each link twice.
+#[test]
+fn a_file_that_has_the_links_of_a_part_is_not_to_be_included_by_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    write(root, "package.xml", "<package><name>boat</name></package>");
+    let part = write(
+        root,
+        "x.xacro",
+        robot("<link name='base'/><xacro:engine at='1'/>"),
+    );
+    let engine = "<xacro:macro name='engine' params='at'/>";
+    for (link, included) in [("base", false), ("other", true)] {
+        let content = format!("{engine}<link name='{link}'/>");
+        write(root, "t.xacro", robot(&content));
+        let told = help(&part, "U006");
+        assert_eq!(told.contains("<xacro:include"), included, "{told}");
+    }
+}

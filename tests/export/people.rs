@@ -527,6 +527,10 @@ fn names_that_become_one_have_a_place() {
     let errors = of_severity(&list, "error");
     assert!(!ok && errors[0]["code"] == "A139", "{errors:?}");
     assert_eq!(errors[0]["line"], 6, "{errors:?}");
+    assert_eq!(
+        errors[0]["length"],
+        "<joint name='j_a' type='revolute'>".len()
+    );
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::folders;
 use super::problem::{Lacking, Meant, Problem};
 use super::texts::Texts;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::diagnostic::{Place, nearest};
 use urdf2fmu_core::folder;
@@ -29,12 +29,23 @@ impl Unread {
         })
     }
 
-    /// Those that define a macro or a property.
+    /// Those that define a macro or a property, and could be included.
     fn defining(&mut self, path: &Path, texts: &Texts, tag: &str, name: &str) -> Vec<PathBuf> {
-        let texts = self.all(path, texts).iter();
-        let defines = texts.filter(|(_, text)| definition(text, tag, name).is_some());
+        // Who has the links that are there already is another robot, and no part of this one.
+        let links: BTreeSet<String> = texts.sources.read.values().flat_map(|t| links(t)).collect();
+        let files = self.all(path, texts).iter();
+        let defines = files.filter(|(_, text)| {
+            definition(text, tag, name).is_some() && links.is_disjoint(&self::links(text))
+        });
         defines.map(|(file, _)| file.clone()).collect()
     }
+}
+
+/// Names of the links that stand in a text, but for those that are computed.
+fn links(text: &str) -> BTreeSet<String> {
+    let tags = text.split("<link").skip(1);
+    let names = tags.filter_map(|tag| attribute(tag, "name"));
+    names.filter(|name| !name.contains('$')).collect()
 }
 
 /// The tag and the name of the definition that a problem lacks.

@@ -239,6 +239,48 @@ fn of_argument(texts: &Texts, path: &Path) -> Option<String> {
     ))
 }
 
+/// Advice on a file that is not there, whose path is made of arguments: all that it is made of.
+fn of_parts(texts: &Texts, problem: &Problem) -> Option<String> {
+    let text = texts.sources.read.get(&problem.file)?;
+    let tag = text[problem.at.min(text.len())..].split('>').next()?;
+    let read = || texts.sources.read.values();
+    let tags: Vec<&str> = read()
+        .flat_map(|text| text.split("<xacro:arg").skip(1))
+        .collect();
+    // An argument may be made of others.
+    let mut made: Vec<String> = Vec::new();
+    let mut open: Vec<String> = named(tag, "$(arg ").into_iter().collect();
+    let mut seen: BTreeSet<String> = BTreeSet::new();
+    while let Some(name) = open.pop() {
+        if !seen.insert(name.clone()) {
+            continue;
+        }
+        let own = tags
+            .iter()
+            .find(|tag| attribute(tag, "name").as_ref() == Some(&name));
+        let default = own.and_then(|tag| attribute(tag, "default"));
+        let others = named(&default.unwrap_or_default(), "$(arg ");
+        if others.is_empty() {
+            made.push(name);
+        }
+        open.extend(others);
+    }
+    made.sort();
+    let value = |name: &String| {
+        let value = texts.arguments.get(name);
+        format!("{name} ('{}')", value.map_or("", String::as_str))
+    };
+    let shown: Vec<String> = made.iter().map(value).collect();
+    let call: Vec<String> = made.iter().map(|name| format!("{name}:=…")).collect();
+    (!made.is_empty()).then(|| {
+        format!(
+            "its path is made of arguments, {}: give other ones after the file, {}",
+            shown.join(", "),
+            call.join(" ")
+        )
+    })
+}
+
 /// The tag of a problem.
 fn place(texts: &Texts, problem: &Problem) -> Option<Place> {
     let text = texts.sources.read.get(&problem.file)?;
@@ -264,7 +306,9 @@ fn finding(
         let mut reasons = String::new();
         let mut call = Vec::new();
         for (name, known) in &lacking {
-            let value = known.as_ref().map_or("…", |known| &known.value);
+            let value = known
+                .as_ref()
+                .map_or_else(|| "…".to_owned(), |known| shell(&known.value));
             call.push(format!("{name}:={value}"));
             if let Some(known) = known {
                 reasons.push('\n');
@@ -311,6 +355,7 @@ fn finding(
                 .or_else(|| of_dead_link(path))
                 .or_else(|| of_argument(texts, path))
                 .or_else(|| of_its_name(path))
+                .or_else(|| of_parts(texts, problem))
                 .unwrap_or_else(|| {
                     "put the file there, or correct the path; a relative one counts from the \
                      folder of the file that is read"

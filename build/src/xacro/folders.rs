@@ -29,6 +29,15 @@ pub fn package_of(folder: &Path) -> Option<&Path> {
     above.find(|folder| folder.join("package.xml").is_file())
 }
 
+/// The folder that holds a package beside others: of a repository that was unpacked, nothing else
+/// tells how far it goes.
+pub fn of_packages(package: &Path) -> Option<PathBuf> {
+    let above = package.parent()?.to_owned();
+    let entries = fs::read_dir(&above).ok()?.flatten().take(MOST_ENTRIES);
+    let packages = entries.filter(|entry| entry.path().join("package.xml").is_file());
+    (packages.take(2).count() > 1).then_some(above)
+}
+
 /// The files below a folder, no more than are looked at.
 pub fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();

@@ -107,7 +107,19 @@ pub fn is_xacro(path: &Path) -> bool {
     if !small || !["urdf", "srdf", "xml"].into_iter().any(named) {
         return false;
     }
-    defines(&xml_replaced(std::fs::read(path).unwrap_or_default()))
+    let text = xml_replaced(std::fs::read(path).unwrap_or_default());
+    defines(&text) || asks(&text)
+}
+
+/// Whether meshes in a text are named by an argument, which only xacro knows: so it is in parts
+/// that other files include.
+fn asks(text: &str) -> bool {
+    let text = includers::uncommented(text);
+    let mut tags = text.split("<mesh").skip(1);
+    tags.any(|tag| {
+        let tag = tag.split('>').next().unwrap_or_default();
+        tag.contains("$(arg ")
+    })
 }
 
 /// Whether a text has tags that only xacro understands. A call alone cannot be expanded: what it

@@ -1,9 +1,11 @@
-//! Values for arguments that have none: those that the launch files of the package give.
+//! Values for arguments that have none: those that the launch files of the package give, and folders
+//! that have what is named below them.
 
 use super::definitions::attribute;
 use super::folders;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use urdf2fmu_core::folder;
 
 /// Endings of files that may give values.
 const GIVING: &[&str] = &["launch", "xml", "py", "xacro"];
@@ -38,7 +40,7 @@ impl Launches {
         &mut self,
         path: &Path,
         name: &str,
-        mut read: impl Iterator<Item = &'t str>,
+        mut read: impl Iterator<Item = &'t str> + Clone,
     ) -> Option<Known> {
         for way in [called, declared, of_xacro] {
             let found = self.all(path).iter().find_map(|(file, text)| {
@@ -50,11 +52,49 @@ impl Launches {
                 return found;
             }
         }
+        if let Some(folder) = having(path, name, read.clone()) {
+            return Some(Known {
+                reason: format!("{} has what {name} names", folder.display()),
+                value: folder.display().to_string(),
+            });
+        }
         read.any(|text| is_condition(text, name)).then(|| Known {
             value: "false".to_owned(),
             reason: format!("{name} is a condition: true or false"),
         })
     }
+}
+
+/// The one folder that has all files that texts name below the value of an argument; of several the
+/// one that is nearest to the file.
+fn having<'t>(path: &Path, name: &str, read: impl Iterator<Item = &'t str>) -> Option<PathBuf> {
+    let start = format!("$(arg {name})/");
+    let rests = read.flat_map(|text| {
+        let behind = text.split(&*start).skip(1);
+        behind.filter_map(|behind| behind.split(['"', '\'']).next())
+    });
+    let rests: BTreeSet<&str> = rests.filter(|rest| !rest.contains('$')).collect();
+    let first = *rests.first()?;
+    let path = std::path::absolute(path).ok()?;
+    let home = folders::package(&path).unwrap_or_else(|| folder::of(&path).to_owned());
+    let folders = folders::files(&home).into_iter().filter_map(|file| {
+        let above = Path::new(first).components().count();
+        file.ends_with(first)
+            .then(|| file.ancestors().nth(above).map(Path::to_owned))?
+    });
+    let all = |folder: &PathBuf| rests.iter().all(|rest| folder.join(rest).is_file());
+    let shared = |folder: &PathBuf| {
+        let pairs = folder.components().zip(path.components());
+        pairs.take_while(|(a, b)| a == b).count()
+    };
+    let mut found: Vec<(usize, PathBuf)> = folders
+        .filter(all)
+        .map(|folder| (shared(&folder), folder))
+        .collect();
+    found.sort();
+    let (most, nearest) = found.pop()?;
+    let alone = found.last().is_none_or(|(next, _)| *next < most);
+    alone.then_some(nearest)
 }
 
 /// What a call of the xacro program gives.
