@@ -10,6 +10,7 @@
 
 use super::checked::{CheckedRobot, Surface};
 use super::closures;
+use super::habits;
 use super::scope::Scope;
 use super::xml::Node;
 use crate::diagnostic::words::did_you_mean;
@@ -215,7 +216,10 @@ fn gazebo(
     scope.owner = format!("<gazebo> of '{name}'");
     if !links.contains_key(name) && !joints.contains_key(name) {
         let message = format!("<gazebo> refers to '{name}', which does not exist");
-        let help = did_you_mean(name, links.keys().map(String::as_str));
+        let help = habits::name(name).map_or_else(
+            || did_you_mean(name, links.keys().map(String::as_str)),
+            str::to_owned,
+        );
         scope
             .report
             .warning("U021", attribute.at.clone(), message, help);
@@ -383,9 +387,8 @@ fn unknown_joint(
     );
     let mut names: Vec<&str> = joints.keys().map(String::as_str).collect();
     names.sort_unstable();
-    scope
-        .report
-        .warning("U021", at, message, did_you_mean(name, names));
+    let help = habits::name(name).map_or_else(|| did_you_mean(name, names), str::to_owned);
+    scope.report.warning("U021", at, message, help);
 }
 
 /// `<mujoco>`: the mesh folder is the resolver's business; some switches would change masses.

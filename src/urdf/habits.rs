@@ -1,5 +1,5 @@
 //! What people write in a URDF as other programs and formats have it, and what to write in its
-//! place: root elements, attributes, and meshes in files of other kinds.
+//! place: root elements, attributes, names, and meshes in files of other kinds.
 
 /// Endings of files that hold others.
 const PACKED: [&str; 7] = ["gz", "zip", "zae", "bz2", "xz", "7z", "zst"];
@@ -25,6 +25,13 @@ pub(super) fn attribute(name: &str, known: &[&str]) -> Option<&'static str> {
     }
     (name == "diameter" && known.contains(&"radius"))
         .then_some("write radius=\"…\", which is half of it")
+}
+
+/// What to write for a name that nothing has, because it is an expression without its sign.
+pub(super) fn name(name: &str) -> Option<&'static str> {
+    let (before, behind) = name.split_once('{')?;
+    (!before.ends_with('$') && behind.contains('}'))
+        .then_some("an expression of xacro begins with a dollar sign: ${…}")
 }
 
 /// What to do about a mesh in a file of a kind, in small letters, that is not read.

@@ -151,3 +151,40 @@ fn a_symbolic_link_to_nothing_is_told_as_one() {
         );
     }
 }
+
+/// The Panda beside an arm of another maker: links of both are called `link0`, `link1`, ….
+#[test]
+fn meshes_of_another_package_are_not_offered_in_part() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = &folder.path().join("home/of");
+    for package in ["panda", "piper"] {
+        let manifest = format!("<package><name>{package}</name></package>");
+        write(root, &format!("{package}/package.xml"), manifest);
+    }
+    let names = ["meshes/link0.stl", "meshes/link1.stl"];
+    let file = write(root, "panda/urdf/r.urdf", super::people::mesh_robot(&names));
+    for (name, offered) in [("link0.stl", false), ("link1.stl", true)] {
+        let mesh = super::people::tetrahedron();
+        write(root, &format!("piper/meshes/{name}"), mesh);
+        let (_, list) = findings(&file, &[]);
+        let help = super::packages::field(&list, "U104", "help");
+        assert_eq!(help.contains("finds all of them"), offered, "{help}");
+        assert_eq!(help.contains("piper"), offered, "{help}");
+    }
+}
+
+/// Quadrupeds of Unitree in xacro: `{name}` is text.
+#[test]
+fn an_expression_without_its_sign_is_told_as_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = robot("", "<sphere radius='1'/>").replace(
+        "</robot>",
+        "<gazebo reference='{name}_hip'/><transmission name='t'><joint name='{name}_knee'/>\
+         </transmission></robot>",
+    );
+    let (_, list) = findings(&write(folder.path(), "r.urdf", text), &[]);
+    let told = list.iter().filter(|f| f["code"] == "U021");
+    let told: Vec<_> = told.map(|finding| &finding["help"]).collect();
+    let advice = "an expression of xacro begins with a dollar sign: ${…}";
+    assert_eq!(told, [advice, advice], "{list:?}");
+}

@@ -1,5 +1,5 @@
-//! Links that a file in xacro writes under a condition: where one of them is missing, the condition
-//! may be what left it out.
+//! Links and joints that a file in xacro writes under a condition: where one of them is missing, the
+//! condition may be what left it out.
 //!
 //! Names are compared as they are written, with anything in the place of an expression: what a
 //! condition leaves out is not expanded.
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use urdf2fmu_core::diagnostic::Place;
 
-/// A link under a condition.
+/// A link, or the child of a joint, under a condition.
 struct Link<'t> {
     /// Where its tag starts, bytes.
     at: usize,
@@ -18,6 +18,8 @@ struct Link<'t> {
     name: String,
     /// The tag of the condition next to it.
     condition: &'t str,
+    /// Whether it is the child of a joint.
+    child: bool,
 }
 
 /// Where the link is written of which a message says that it does not exist, and under which
@@ -27,7 +29,7 @@ pub(super) fn left_out(texts: &BTreeMap<PathBuf, Rc<str>>, message: &str) -> Opt
     let (name, _) = rest.split_once("' does not exist")?;
     let mut best: Option<(usize, String)> = None;
     for (file, text) in texts {
-        for link in links(text) {
+        for link in links(text).into_iter().filter(|link| !link.child) {
             let Some(letters) = fits(&link.name, name) else {
                 continue;
             };
@@ -47,7 +49,48 @@ pub(super) fn left_out(texts: &BTreeMap<PathBuf, Rc<str>>, message: &str) -> Opt
     best.map(|(_, advice)| advice)
 }
 
-/// The links of a text that stand under a condition.
+/// Where a joint is written that holds one of the roots of which a message says that there are
+/// several, and what makes its condition hold, as advice.
+pub(super) fn unjoined(texts: &BTreeMap<PathBuf, Rc<str>>, message: &str) -> Option<String> {
+    let (_, names) = message.split_once(" root links: ")?;
+    let roots: Vec<&str> = names.split(", ").collect();
+    texts.iter().find_map(|(file, text)| {
+        let mut children = links(text).into_iter().filter(|link| link.child);
+        children.find_map(|link| {
+            roots.iter().find(|root| fits(&link.name, root).is_some())?;
+            let argument = asked(texts, link.condition)?;
+            let value = link.condition.starts_with("<xacro:if");
+            let shown = file.display().to_string();
+            let line = Place::in_text(&shown, text, link.at..link.at + 1).line;
+            Some(format!(
+                "{shown}:{line} writes a joint that holds '{}' under {}: give it after the file, \
+                 {argument}:={value}",
+                link.name, link.condition
+            ))
+        })
+    })
+}
+
+/// The argument that a condition asks for and nothing else, by itself or through a property.
+fn asked(texts: &BTreeMap<PathBuf, Rc<str>>, condition: &str) -> Option<String> {
+    let argument = |value: &str| {
+        let name = value.trim().strip_prefix("$(arg ")?.strip_suffix(')')?;
+        Some(name.trim().to_owned())
+    };
+    let value = attribute(condition, "value")?;
+    argument(&value).or_else(|| {
+        let name = value.trim().strip_prefix("${")?.strip_suffix('}')?.trim();
+        let mut tags = texts
+            .values()
+            .flat_map(|text| text.split("<xacro:property").skip(1));
+        tags.find_map(|tag| {
+            let own = attribute(tag, "name").as_deref() == Some(name);
+            argument(&own.then(|| attribute(tag, "value"))??)
+        })
+    })
+}
+
+/// The links of a text that stand under a condition, and the children of joints that do.
 fn links(text: &str) -> Vec<Link<'_>> {
     let mut found = Vec::new();
     let mut conditions: Vec<&str> = Vec::new();
@@ -68,15 +111,17 @@ fn links(text: &str) -> Vec<Link<'_>> {
             conditions.push(tag);
         } else if is("</xacro:if") || is("</xacro:unless") {
             conditions.pop();
-        } else if is("<link")
-            && let Some(condition) = conditions.last()
-            && let Some(name) = attribute(&tag["<link".len()..], "name")
-        {
-            found.push(Link {
-                at,
-                name,
-                condition,
-            });
+        } else if let Some(condition) = conditions.last() {
+            let kinds = [("<link", "name", false), ("<child", "link", true)];
+            for (word, key, child) in kinds {
+                let name = is(word).then(|| attribute(&tag[word.len()..], key));
+                found.extend(name.flatten().map(|name| Link {
+                    at,
+                    name,
+                    condition,
+                    child,
+                }));
+            }
         }
         from = at + length;
     }
@@ -153,5 +198,26 @@ mod tests {
             [told("free"), told("d_depth_frame"), told("saucer")],
             [None, None, None]
         );
+    }
+
+    /// Twelve arms of a collection stand on `world` if an argument chooses a cell.
+    #[test]
+    fn a_joint_that_a_condition_leaves_out_is_named_with_the_argument() {
+        let text = "<robot>\n<xacro:property name='cell' value='$(arg cell_1)'/>\n\
+                    <xacro:if value='${cell}'><joint><parent link='world'/>\n\
+                    <child link='base'/></joint></xacro:if>\n\
+                    <xacro:if value='${a > 1}'><child link='hand'/></xacro:if>\n\
+                    <xacro:unless value='$(arg free)'><child link='cup'/></xacro:unless></robot>";
+        let texts = BTreeMap::from([(PathBuf::from("arm.xacro"), Rc::from(text))]);
+        let told = |roots: &str| unjoined(&texts, &format!("the robot has 2 root links: {roots}"));
+        assert_eq!(
+            told("base, world").as_deref(),
+            Some(
+                "arm.xacro:4 writes a joint that holds 'base' under <xacro:if value='${cell}'>: give \
+                 it after the file, cell_1:=true"
+            )
+        );
+        assert!(told("world, cup").is_some_and(|advice| advice.ends_with("free:=false")));
+        assert_eq!([told("hand, world"), told("world, other")], [None, None]);
     }
 }

@@ -25,6 +25,7 @@ mod numbers;
 mod origins;
 mod parameter;
 mod parse;
+mod paths;
 mod problem;
 mod proposed;
 mod recover;

@@ -29,9 +29,12 @@ impl Origins {
             if let Some(call) = self.call(&finding.message) {
                 finding.help = Some(call);
             }
-            if finding.code == "U016"
-                && let Some(left_out) = conditions::left_out(&self.texts, &finding.message)
-            {
+            let left_out = match finding.code {
+                "U011" => conditions::unjoined(&self.texts, &finding.message),
+                "U016" => conditions::left_out(&self.texts, &finding.message),
+                _ => None,
+            };
+            if let Some(left_out) = left_out {
                 finding.help = Some(match finding.help.take() {
                     Some(help) if !help.is_empty() => format!("{left_out}\n{help}"),
                     _ => left_out,

@@ -93,11 +93,16 @@ impl Resolver<'_> {
     /// The option that makes most of `names` be found, and how many; they are names of one package,
     /// or paths.
     pub(in crate::urdf) fn advice(&self, names: &[&str]) -> Option<(String, usize)> {
-        let mut options: Vec<(String, usize)> = Vec::new();
-        let mut count = |option: String| match options.iter_mut().find(|(own, _)| *own == option) {
-            Some((_, count)) => *count += 1,
-            None => options.push((option, 1)),
+        // Each with how many it finds, and whether they are in another package.
+        let mut options: Vec<(String, usize, bool)> = Vec::new();
+        let mut count = |option: String, foreign: bool| match options
+            .iter_mut()
+            .find(|(own, ..)| *own == option)
+        {
+            Some((_, count, _)) => *count += 1,
+            None => options.push((option, 1, foreign)),
         };
+        let base = fs::canonicalize(self.base_dir).unwrap_or_else(|_| normal(self.base_dir));
         let mut around = None;
         for name in names {
             let name = name.trim().replace('\\', "/");
@@ -109,24 +114,31 @@ impl Resolver<'_> {
                 let others = self.packages.others(package).into_iter();
                 for folder in others.filter(|folder| folder.join(file).is_file()) {
                     let given = format!("{package}={}", folder.display());
-                    count(format!("--package {}", shell(&given)));
+                    count(format!("--package {}", shell(&given)), false);
                 }
                 continue;
             }
-            let files = around.get_or_insert_with(|| {
-                let base = fs::canonicalize(self.base_dir);
-                let base = base.unwrap_or_else(|_| normal(self.base_dir));
-                Files::below(&nearby::around(&base))
-            });
+            let files = around.get_or_insert_with(|| Files::below(&nearby::around(&base)));
             let found = files.like(&name, false);
             if let Some(folder) = found.and_then(|file| nearby::package_of(file, &name)) {
+                let package = folder.ancestors().find(|above| is_package(above));
+                let foreign = package.is_some_and(|package| !base.starts_with(package));
                 let folder = folder.display().to_string();
-                count(format!("--package-path {}", shell(&folder)));
+                count(format!("--package-path {}", shell(&folder)), foreign);
             }
         }
+        // What another package has in part are meshes of another robot under the same names.
+        let whole = |(_, count, foreign): &(String, usize, bool)| !foreign || *count == names.len();
+        let options = options.into_iter().filter(whole);
+        let options: Vec<_> = options.map(|(option, count, _)| (option, count)).collect();
         // Of equals the nearest, which comes first.
         options.into_iter().rev().max_by_key(|&(_, count)| count)
     }
+}
+
+/// Whether a folder is a package.
+fn is_package(folder: &Path) -> bool {
+    folder.join("package.xml").is_file()
 }
 
 /// Whether a file is in a package, if there is one.
