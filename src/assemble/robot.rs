@@ -49,6 +49,17 @@ pub(super) struct Tags {
     pub(super) interfaces: Vec<Vec<ActuatorMode>>,
 }
 
+impl Tags {
+    fn of(description: &Description) -> Self {
+        let (links, joints) = (description.links.iter(), description.joints.iter());
+        Self {
+            links: links.map(|link| link.tag.clone()).collect(),
+            interfaces: joints.clone().map(|j| j.interfaces.clone()).collect(),
+            joints: joints.map(|joint| joint.tag.clone()).collect(),
+        }
+    }
+}
+
 /// What the settings want to be made of a link's meshes.
 pub(super) struct WheelChoice {
     pub(super) fit: WheelFit,
@@ -106,23 +117,7 @@ impl Robot {
                 })
                 .collect(),
             stands_still: description.stands_still,
-            tags: Tags {
-                links: description
-                    .links
-                    .iter()
-                    .map(|link| link.tag.clone())
-                    .collect(),
-                joints: description
-                    .joints
-                    .iter()
-                    .map(|joint| joint.tag.clone())
-                    .collect(),
-                interfaces: description
-                    .joints
-                    .iter()
-                    .map(|joint| joint.interfaces.clone())
-                    .collect(),
-            },
+            tags: Tags::of(description),
         };
         let mut unlimited = Vec::new();
         for (joint, overrides) in description.joints.iter().zip(&joint_overrides) {

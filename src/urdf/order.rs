@@ -64,34 +64,14 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
     };
     for (j, joint) in robot.joints.iter().enumerate() {
         scope.owner = joint.called();
-        let own = [&joint.parent, &joint.child];
-        let own = own.map(|reference| reference.as_ref().map(|reference| reference.name));
         let mut index = |reference: &Option<LinkReference>, what: &str| -> Option<usize> {
             let reference = reference.as_ref()?;
             let found = links.get(reference.name).copied();
             if found.is_none() {
                 let message = format!("{what} link '{}' does not exist", reference.name);
-                let known = robot.links.iter().filter(|link| link.own_name);
-                let known = known.map(|link| link.name);
-                // Not the link on the joint's other side.
-                let known = known.filter(|name| !own.contains(&Some(name)));
-                // Nor another one of a row: 'link0' is not what is meant by 'link8'.
-                let (row, others): (Vec<_>, Vec<_>) =
-                    known.partition(|known| of_one_row(known, reference.name));
-                let mut help = did_you_mean(reference.name, others);
-                if help.is_empty() {
-                    let is_root = !held.contains(reference.name);
-                    help = declared(reference.name, is_root, tops, rootless);
-                    if let ("", [first, ..]) = (&*help, &row[..]) {
-                        help = format!(
-                            "give the file of the whole robot if this is a part of it, or write \
-                             the name that is meant: '{first}' is another one of its row"
-                        );
-                    }
-                    if !is_root {
-                        help.push_str(of_mass(scope, robot, joint, reference.name));
-                    }
-                }
+                let is_root = !held.contains(reference.name);
+                let others = (is_root, tops, rootless);
+                let help = instead(scope, robot, joint, reference.name, others);
                 if told {
                     scope.problem("U016", reference.at.clone(), &message, help);
                 } else {
@@ -161,6 +141,41 @@ fn of_mass(scope: &Scope, robot: &CheckedRobot, joint: &CheckedJoint, name: &str
         return "";
     }
     OF_MASS
+}
+
+/// What to do about a link that does not exist and that a joint names.
+///
+/// - `others`: as [`declared`] takes them
+fn instead(
+    scope: &Scope,
+    robot: &CheckedRobot,
+    joint: &CheckedJoint,
+    name: &str,
+    (is_root, tops, rootless): (bool, usize, bool),
+) -> String {
+    let ends = [&joint.parent, &joint.child];
+    let own = ends.map(|end| end.as_ref().map(|end| end.name));
+    let known = robot.links.iter().filter(|link| link.own_name);
+    let known = known.map(|link| link.name);
+    // Not the link on the joint's other side.
+    let known = known.filter(|known| !own.contains(&Some(known)));
+    // Nor another one of a row: 'link0' is not what is meant by 'link8'.
+    let (row, others): (Vec<_>, Vec<_>) = known.partition(|known| of_one_row(known, name));
+    let mut help = did_you_mean(name, others);
+    if !help.is_empty() {
+        return help;
+    }
+    help = declared(name, is_root, tops, rootless);
+    if let ("", [first, ..]) = (&*help, &row[..]) {
+        help = format!(
+            "give the file of the whole robot if this is a part of it, or write the name that is \
+             meant: '{first}' is another one of its row"
+        );
+    }
+    if !is_root {
+        help.push_str(of_mass(scope, robot, joint, name));
+    }
+    help
 }
 
 /// Whether two names differ in numbers alone.

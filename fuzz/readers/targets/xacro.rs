@@ -33,6 +33,8 @@ mod numbers;
 mod parameter;
 #[path = "../../../build/src/xacro/parse.rs"]
 mod parse;
+#[path = "../../../build/src/xacro/paths.rs"]
+mod paths;
 #[path = "../../../build/src/xacro/problem.rs"]
 mod problem;
 #[path = "../../../build/src/xacro/proposed.rs"]
