@@ -1,6 +1,8 @@
 //! What people write in a URDF as other programs and formats have it, and what to write in its
 //! place: root elements, attributes, names, and meshes in files of other kinds.
 
+use crate::diagnostic::words::did_you_mean;
+
 /// Endings of files that hold others.
 const PACKED: [&str; 7] = ["gz", "zip", "zae", "bz2", "xz", "7z", "zst"];
 
@@ -19,12 +21,14 @@ pub(super) fn root(element: &str) -> Option<&'static str> {
 /// What to write for an attribute that the element does not take.
 ///
 /// - `known`: those that it takes
-pub(super) fn attribute(name: &str, known: &[&str]) -> Option<&'static str> {
+pub(super) fn attribute(name: &str, known: &[&str]) -> String {
     if name.starts_with("quat") && known.contains(&"rpy") {
-        return Some("write quat_xyzw=\"x y z w\", with <robot version=\"1.1\">, or rpy");
+        return "write quat_xyzw=\"x y z w\", with <robot version=\"1.1\">, or rpy".to_owned();
     }
-    (name == "diameter" && known.contains(&"radius"))
-        .then_some("write radius=\"…\", which is half of it")
+    if name == "diameter" && known.contains(&"radius") {
+        return "write radius=\"…\", which is half of it".to_owned();
+    }
+    did_you_mean(name, known.iter().copied())
 }
 
 /// What to write for a name that nothing has, because it is an expression without its sign.

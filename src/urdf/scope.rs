@@ -317,8 +317,7 @@ impl<'r, 'a> Scope<'r, 'a> {
                     "<{}> attribute '{name}' is unknown and ignored",
                     node.name()
                 );
-                let help = habits::attribute(name, known)
-                    .map_or_else(|| did_you_mean(name, known.iter().copied()), str::to_owned);
+                let help = habits::attribute(name, known);
                 self.warning("U019", at, &message, help);
             }
         }
