@@ -143,7 +143,7 @@ pub fn above(dir: &Path) -> Option<PathBuf> {
 
 /// The name of the package in a folder, by its `package.xml`.
 pub fn package_name(folder: &Path) -> Option<String> {
-    packages::manifest_name(folder)
+    packages::name_in(folder)
 }
 
 /// Finds packages, looked for as for `package://`.

@@ -11,8 +11,7 @@ mod tests;
 
 use super::options::ReadOptions;
 use crate::diagnostic::Severity;
-pub(super) use folder::manifest_name;
-use folder::{has_manifest, is_called, is_common, manifest_is, spellings};
+use folder::{has_manifest, is_called, is_common, manifest_is, manifest_name, spellings};
 use index::{Index, MOST_ENTRIES};
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
@@ -250,6 +249,11 @@ impl<'o> Packages<'o> {
         self.workspace
             .get_or_init(|| Index::below(&around(&self.base).folders, MOST_ENTRIES))
     }
+}
+
+/// The name of the package in a folder.
+pub(super) fn name_in(folder: &Path) -> Option<String> {
+    manifest_name(folder)
 }
 
 /// Where packages are looked for around a robot.

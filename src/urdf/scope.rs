@@ -259,10 +259,9 @@ impl<'r, 'a> Scope<'r, 'a> {
 
     /// Where the tag of an element stands.
     pub(super) fn tag(&self, node: Node) -> Tag {
-        let at = node.tag_at();
         Tag {
-            line: self.report.line(at.start),
-            at,
+            line: self.report.line(node.tag_at().start),
+            at: node.tag_at(),
         }
     }
 

@@ -1,5 +1,5 @@
-//! Links and joints that a file in xacro writes under a condition: where one of them is missing, the
-//! condition may be what left it out.
+//! Links and joints that a file in xacro writes under a condition: where one of them is missing,
+//! the condition may be what left it out.
 //!
 //! Names are compared as they are written, with anything in the place of an expression: what a
 //! condition leaves out is not expanded.

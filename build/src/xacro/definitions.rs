@@ -191,6 +191,19 @@ fn definition(text: &str, tag: &str, name: &str) -> Option<usize> {
     found.map(|(at, _)| at)
 }
 
+/// The words that follow `start` in a text, up to a bracket.
+pub(super) fn named(text: &str, start: &str) -> BTreeSet<String> {
+    let parts = text.split(start).skip(1);
+    let words = parts.filter_map(|part| Some(part.split_once(')')?.0.trim().to_owned()));
+    let plain = |word: &String| {
+        word.chars()
+            .all(|c| c.is_alphanumeric() || "_-".contains(c))
+    };
+    words
+        .filter(|word| !word.is_empty() && plain(word))
+        .collect()
+}
+
 /// The value of an attribute in the text of a tag behind its name. What is searched may be a
 /// comment, and anything may stand there.
 pub(super) fn attribute(mut tag: &str, wanted: &str) -> Option<String> {

@@ -1,7 +1,7 @@
 //! What is told of a file in xacro that cannot be expanded.
 
 use super::command;
-use super::definitions::{self, Unread, attribute};
+use super::definitions::{self, Unread, attribute, named};
 use super::evaluate::NO_KEY;
 use super::folders;
 use super::includers;
@@ -18,19 +18,6 @@ use urdf2fmu_core::folder;
 
 /// What helps where a macro is nowhere to be found.
 const DEFINE: &str = "define it, or include the file that does";
-
-/// The words that follow `start` in a text, up to a bracket.
-pub(super) fn named(text: &str, start: &str) -> BTreeSet<String> {
-    let parts = text.split(start).skip(1);
-    let words = parts.filter_map(|part| Some(part.split_once(')')?.0.trim().to_owned()));
-    let plain = |word: &String| {
-        word.chars()
-            .all(|c| c.is_alphanumeric() || "_-".contains(c))
-    };
-    words
-        .filter(|word| !word.is_empty() && plain(word))
-        .collect()
-}
 
 /// Whether a file that includes this one may have what a problem lacks.
 fn of_others(problem: &Problem) -> bool {

@@ -197,7 +197,7 @@ pub fn expand(
     for name in sources
         .read
         .values()
-        .flat_map(|text| findings::named(text, "$(find "))
+        .flat_map(|text| definitions::named(text, "$(find "))
     {
         if let Some(found) = find(&name) {
             let folder = std::path::absolute(&found.folder).unwrap_or(found.folder);

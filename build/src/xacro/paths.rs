@@ -1,7 +1,6 @@
 //! Files that are not there because their paths are made of arguments: what to give.
 
-use super::definitions::attribute;
-use super::findings::named;
+use super::definitions::{attribute, named};
 use super::problem::Problem;
 use super::texts::Texts;
 use std::collections::BTreeSet;

@@ -1,5 +1,5 @@
-//! Values for arguments that have none: those that the launch files of the package give, and folders
-//! that have what is named below them.
+//! Values for arguments that have none: those that the launch files of the package give, and
+//! folders that have what is named below them.
 
 use super::definitions::attribute;
 use super::folders;

@@ -49,7 +49,7 @@ pub(super) fn manifest_is(dir: &Path, names: &[String]) -> bool {
 }
 
 /// The `<name>` in a folder's `package.xml`.
-pub(in crate::urdf) fn manifest_name(dir: &Path) -> Option<String> {
+pub(super) fn manifest_name(dir: &Path) -> Option<String> {
     let path = dir.join("package.xml");
     let size = fs::metadata(&path)
         .ok()
