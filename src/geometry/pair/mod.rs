@@ -193,7 +193,8 @@ impl Patch {
         (!far).then(|| Couple::new((a, X_WA), (b, X_WB)))
     }
 
-    /// Finds what a couple without terrain has in common; see [`Meeting::find_along`] for the reaches.
+    /// Finds what a couple without terrain has in common; for the reaches see
+    /// [`Meeting::find_along`].
     fn meet(&mut self, couple: &Couple, others: Option<&dyn Others>, reaches: [f64; 2]) -> bool {
         let among = couple.among(others);
         let (pair, points) = (couple.ranked(), &mut self.points);

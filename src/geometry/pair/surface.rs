@@ -109,18 +109,8 @@ pub(super) fn on_surface(
             if deep && (!within() || !beside && is_off(surface, facet, over, about)) {
                 return;
             }
-            // A triangle that the middle is behind, as of what hangs over a crest, pushes nothing,
-            // but what is just behind it is not as deep as in the one beyond the crest.
             let corner = point.x - facet.normal * (0.5 * point.depth);
-            let passed = |near: &Facet| {
-                let height = near.height(&corner);
-                let nearer = height <= 0.0 && -height < point.depth;
-                nearer
-                    && near.height(&shape.p) <= 0.0
-                    && near.is_over(&corner)
-                    && is_behind(near, facet)
-            };
-            if deep && surface.is_any_near(&corner, point.depth, passed) {
+            if deep && is_passed(surface, facet, &shape.p, (&corner, point.depth)) {
                 return;
             }
             let place = OnFacet {
@@ -200,6 +190,22 @@ pub(super) fn on_surface(
 fn is_behind(nearer: &Facet, this: &Facet) -> bool {
     let behind = |corner: &Vec3| nearer.height(corner) <= SEAM;
     nearer.height(&this.middle()) < 0.0 && this.corners.iter().all(behind)
+}
+
+/// Whether a corner that is so deep in a triangle has passed a nearer one that lies before all of
+/// it, as at a crest, and that the middle of the shape is behind. That pushes nothing, as what hangs
+/// over a crest has it, but what is just behind it is not as deep in what is beyond the crest.
+fn is_passed(
+    surface: &Surface,
+    facet: &Facet,
+    middle: &Vec3,
+    (corner, depth): (&Vec3, f64),
+) -> bool {
+    surface.is_any_near(corner, depth, |near| {
+        let height = near.height(corner);
+        let nearer = height <= 0.0 && -height < depth;
+        nearer && near.height(middle) <= 0.0 && near.is_over(corner) && is_behind(near, facet)
+    })
 }
 
 /// Whether the place on the plane of a triangle of the corner of a core is in front of the surface,
