@@ -463,24 +463,6 @@ pub const MIN_CORNERS: f64 = 4.0;
 /// The same on a disc, as a share of its radius: `∫ r² dr / ∫ r dr`
 /// (`a_spinning_disc_slows_down_by_friction_over_its_face`).
 pub const EVEN_DISC: f64 = 2.0 / 3.0;
-/// Distance of the middle of half of a long face from that of the face, as a share of the root mean
-/// square of its length: the force is then nearest to that of an even pressure. At 0, where a face
-/// is not cut, fails `a_face_resists_as_its_points_do_together`.
-pub const EVEN_CUT: f64 = 0.83;
-/// Mean square of the cosine between the velocity with which such a half slides and that of its
-/// points when it spins, as a share of what it would be if all of them were on the ends of a line
-/// or on a ring: of a line, and of a disc. The force is then nearest to that of an even pressure.
-/// At 0, where the norm is the length, and with both numbers exchanged fails
-/// `a_face_resists_as_its_points_do_together`.
-pub const EVEN_SPREAD: [f64; 2] = [0.78, 0.84];
-/// Share of the cap up to which a face bears a force as a spring does, whatever its direction. It
-/// is less than the least ratio of the norm of a face to the length, 0.86: at 0.9 lines never slip
-/// in some directions (`a_face_slips_along_the_normal_of_the_forces_that_it_bears`).
-pub const EVEN_HELD: f64 = 0.7;
-/// The same where the norm of the face is as much more than the length as it may be, which is 1.05:
-/// a force that is shorter need not be looked at. At 0.62 fails
-/// `a_short_force_is_borne_as_by_a_spring_in_all_directions`.
-pub const EVEN_SHORT: f64 = 0.6;
 /// Thickness of a face of a hull, in penetrations: corners that lie so near one plane share its
 /// load. At 1e4 fails `even_terrain_carries_like_the_plane`.
 pub const FACE: f64 = 3.0;

@@ -12,9 +12,8 @@ use super::contact::{Contact, Response};
 use super::gather::ContactSet;
 use super::point::{ContactPoint, PointResponse};
 use super::terms::{Responses, Terms, Velocities};
-use crate::law::{ElastoPlastic, Face, Limit as _};
+use crate::law::ElastoPlastic;
 use crate::spatial::{Vec3, Vec6};
-use crate::tuning::ROUND_OFF;
 
 /// By how much the friction cone of a contact that slips grows, N·s: along a direction, and along
 /// what that growth changes of the direction.
@@ -26,7 +25,7 @@ impl Terms {
         let ContactSet { list, points, .. } = &mut self.contacts;
         for (contact, r) in list.iter_mut().zip(&responses.contacts) {
             let of = &responses.points[contact.points.clone()];
-            contact.stand(&contact.footing_under(points, (r, of)));
+            (contact.center, contact.radius) = contact.center_under(points, (r, of));
         }
     }
 
@@ -95,10 +94,8 @@ impl Terms {
         contacts
             .filter(|(_, r)| !r.slips())
             .fold(0.0, |most, (contact, r)| {
-                let force = r.friction.left * h;
-                let limit = &contact.friction.limit;
-                let borne = limit.bear(force, contact.mu * r.load);
-                most.max((force - borne.left).norm() / contact.mass)
+                let excess = h * r.friction.force.norm() - contact.mu * r.load;
+                most.max(excess / contact.mass)
             })
     }
 
@@ -173,7 +170,7 @@ impl Terms {
         let contacts = self.contacts.iter().zip(&responses.contacts);
         for ((contact, r), growth) in contacts.zip(growth) {
             if r.slips() {
-                contact.drag(&(r.friction.growth * -growth[part]), F);
+                contact.drag(&(r.friction.slip * -growth[part]), F);
             }
         }
     }
@@ -209,7 +206,7 @@ impl Contact {
     /// in an impact, a damper in proportion to the normal force lets what sticks creep by less than
     /// one over the dissipation, at any speed. At rest the critical one is more.
     #[inline]
-    fn rubbing_under(&self, force: f64) -> ElastoPlastic<Vec3, Face> {
+    fn rubbing_under(&self, force: f64) -> ElastoPlastic<Vec3> {
         ElastoPlastic {
             cap: self.mu * force,
             damping: self.critical.max(self.dissipation * force),
@@ -223,8 +220,7 @@ impl Contact {
     fn may_lag(&self, r: &Response, h: f64) -> bool {
         let cap = self.mu * r.load / h;
         let sticks = !r.slips() && self.friction.cap > 0.0;
-        let springs = |cap: f64| self.friction.limit.springs(&r.friction.left, cap);
-        !(sticks && springs(cap) && springs(self.friction.cap))
+        !(sticks && r.friction.force.norm_squared() <= cap * cap)
     }
 
     /// Adds what friction would do more with the cone that belongs to the normal force of a
@@ -240,17 +236,12 @@ impl Contact {
         if !self.may_lag(r, h) {
             return false;
         }
-        let footing = self.footing_under(points, (r, of));
-        let (center, radius) = (footing.center, footing.radius);
+        let (center, radius) = self.center_under(points, (r, of));
         let W = self.relative(V);
         let u = self.sliding_at((&center, radius), &W);
-        let mut carried = self.rubbing_under(r.load / h);
-        carried.limit = footing.limit;
+        let carried = self.rubbing_under(r.load / h);
         let [before, after] =
             [r.friction.force, carried.respond(self.slid(&u), h).force].map(|f| f * -h);
-        if !r.slips() && (after - before).norm() <= ROUND_OFF * after.norm() {
-            return false;
-        }
         let [(force, moment), (other, turned)] = [
             self.lever_at((&center, radius), &after),
             self.lever_at((&self.center, self.radius), &before),

@@ -104,7 +104,6 @@ impl Meeting<'_> {
         contact.dissipation = self.dissipation;
         contact.friction = ElastoPlastic {
             stiffness: slope,
-            limit: contact.friction.limit,
             ..ElastoPlastic::default()
         };
         contact.friction.displacement = contact.recall_slip(&stored.displacement);

@@ -244,14 +244,8 @@ fn friction_gives_back_no_more_than_it_was_paid() {
         let (stored, u) = (rng.vector(1.5 * most), rng.vector(size));
         contact.friction.displacement = stored;
         let paid = h * contact.friction.respond(u, h).force.dot(&u);
-        let held = |displacement: Vec3| {
-            let friction = ElastoPlastic {
-                displacement,
-                ..contact.friction
-            };
-            0.5 * friction.twice_stored()
-        };
-        let more = held(contact.friction.next(u, h)) - held(stored);
+        let next = contact.friction.next(u, h);
+        let more = 0.5 * contact.friction.stiffness * (next.norm_squared() - stored.norm_squared());
         assert!(
             more <= paid + 1e-12 * contact.friction.cap * most,
             "{h} {u} {stored}"

@@ -5,12 +5,10 @@
 //!
 //! 1. Spring and damper together would give `y = k ς + (k h + d) u`.
 //! 2. The force is `F = y` while `|y| ≤ F̄` (the element sticks), else `F̄ ŷ` with `ŷ = y/|y|` (it
-//!    slips along `ŷ`). Of a face that slides and spins at once the points slip in different
-//!    directions, and it keeps `Y = y` or a part `Y` of it that has the same force, see
-//!    [`super::face`].
-//! 3. The displacement after the step is `(Y − d u)/k` with `Y = F` of a point, at which the spring
-//!    alone gives what the damper leaves of `F`. Along the slip it may only approach that value,
-//!    see `ElastoPlastic::slipped`.
+//!    slips along `ŷ`).
+//! 3. The displacement after the step is `(F − d u)/k`, at which the spring alone gives what the
+//!    damper leaves of `F`. Along the slip it may only approach that value, see
+//!    `ElastoPlastic::slipped`.
 //!
 //! Where friction at rest is higher than sliding friction, the cap follows the speed of the slip
 //! at the start of the step (Stribeck): within the step it is constant, which keeps the law convex.
@@ -22,13 +20,85 @@
 //! Source: Castro et al. 2022 (the force is the gradient of the Moreau envelope of Coulomb's
 //! dissipation); Armstrong-Hélouvry, Dupont & Canudas de Wit 1994 for the Stribeck curve.
 
-use super::limit::{Limit, Radial, Vector};
+use crate::spatial::Vec3;
 use crate::tuning::ROUND_OFF;
+use std::ops::{Add, Div, Mul, Sub};
+
+/// A displacement, velocity or force along a line ([`f64`]) or in a plane or in space ([`Vec3`]).
+pub trait Vector:
+    Copy
+    + Default
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+{
+    /// Inner product.
+    fn dot(&self, other: &Self) -> f64;
+
+    /// Direction of a vector that is longer than `length`, and one over its own length; zero
+    /// instead of the latter along a line, which has no directions but its own. None for a vector
+    /// that is not longer.
+    fn beyond(&self, length: f64) -> Option<(Self, f64)>;
+
+    /// The vector, shortened to `length` where it is longer.
+    #[must_use]
+    fn clip(self, length: f64) -> Self;
+}
+
+impl Vector for f64 {
+    #[inline]
+    fn dot(&self, other: &Self) -> f64 {
+        self * other
+    }
+
+    #[inline]
+    fn beyond(&self, length: f64) -> Option<(Self, f64)> {
+        if self.abs() <= length {
+            None
+        } else {
+            Some((self.signum(), 0.0))
+        }
+    }
+
+    #[inline]
+    fn clip(self, length: f64) -> Self {
+        self.clamp(-length, length)
+    }
+}
+
+impl Vector for Vec3 {
+    #[inline]
+    fn dot(&self, other: &Self) -> f64 {
+        Self::dot(self, other)
+    }
+
+    #[inline]
+    fn beyond(&self, length: f64) -> Option<(Self, f64)> {
+        let squared = self.norm_squared();
+        if squared <= length * length {
+            None
+        } else {
+            let inverse = 1.0 / squared.sqrt();
+            Some((self * inverse, inverse))
+        }
+    }
+
+    #[inline]
+    fn clip(self, length: f64) -> Self {
+        let squared = self.norm_squared();
+        if squared > length * length {
+            self * (length / squared.sqrt())
+        } else {
+            self
+        }
+    }
+}
 
 /// A spring–damper with a capped force. Units are those of a force (N, or N·m about an axis) and of
 /// a displacement (m or rad).
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ElastoPlastic<X, L = Radial> {
+pub struct ElastoPlastic<X> {
     /// Force that slips, N or N·m; may be infinite; 0: the element does nothing.
     pub cap: f64,
     /// Stiffness `k`, N/m or N·m/rad.
@@ -37,8 +107,6 @@ pub struct ElastoPlastic<X, L = Radial> {
     pub damping: f64,
     /// Stored displacement `ς` at the start of the step, m or rad.
     pub displacement: X,
-    /// Which forces it can bear.
-    pub limit: L,
 }
 
 /// What an elasto-plastic element gives for a velocity.
@@ -46,18 +114,13 @@ pub struct ElastoPlastic<X, L = Radial> {
 pub struct Resistance<X> {
     /// Force against the velocity, N or N·m.
     pub force: X,
-    /// What is left of the force of spring and damper, N or N·m.
-    pub left: X,
-    /// Derivative of the force with the velocity in every direction but `slip`, N·s/m or N·m·s/rad;
-    /// of a face in shares of [`super::Face::slope`].
+    /// Derivative of the force with the velocity in every direction but `slip`, N·s/m or N·m·s/rad.
     pub slope: f64,
     /// Direction in which the element slips and the force does not change; zero while it sticks.
     pub slip: X,
-    /// Derivative of the force with the cap; zero while it sticks.
-    pub growth: X,
 }
 
-impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
+impl<X: Vector> ElastoPlastic<X> {
     /// Resistance to the relative velocity `u` at the end of a step of `h` seconds.
     #[inline]
     pub fn respond(&self, u: X, h: f64) -> Resistance<X> {
@@ -66,13 +129,17 @@ impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
         }
         let b = self.stiffness * h + self.damping;
         let y = self.displacement * self.stiffness + u * b;
-        let borne = self.limit.bear(y, self.cap);
-        Resistance {
-            force: borne.force,
-            left: borne.left,
-            slope: b * borne.share,
-            slip: borne.slip,
-            growth: borne.growth,
+        match y.beyond(self.cap) {
+            None => Resistance {
+                force: y,
+                slope: b,
+                slip: X::default(),
+            },
+            Some((slip, inverse)) => Resistance {
+                force: slip * self.cap,
+                slope: b * self.cap * inverse,
+                slip,
+            },
         }
     }
 
@@ -82,11 +149,11 @@ impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
         if self.cap <= 0.0 {
             return X::default();
         }
-        let Resistance { left, slip, .. } = self.respond(u, h);
-        let settled = (left - u * self.damping) / self.stiffness;
+        let Resistance { force, slip, .. } = self.respond(u, h);
+        let settled = (force - u * self.damping) / self.stiffness;
         let (before, after) = (slip.dot(&self.displacement), slip.dot(&settled));
         let next = settled + slip * (self.slipped(before, after, h) - after);
-        self.clipped(next)
+        next.clip(self.cap / self.stiffness)
     }
 
     /// Share of the relative velocity `u` at the end of a step of `h` seconds that the spring does
@@ -95,11 +162,11 @@ impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
     #[inline]
     pub fn sliding(&self, u: X, wound: f64, h: f64) -> f64 {
         let speed = u.dot(&u).sqrt();
-        let Resistance { left, slip, .. } = self.respond(u, h);
+        let slip = self.respond(u, h).slip;
         if slip.dot(&slip) <= 0.0 || speed <= 0.0 {
             return 0.0;
         }
-        let left = (slip.dot(&left) - self.stiffness * slip.dot(&self.displacement)).max(0.0);
+        let left = (self.cap - self.stiffness * slip.dot(&self.displacement)).max(0.0);
         let wound = left.min(wound * self.damping) / (self.damping + h * self.stiffness);
         (1.0 - wound / speed).max(0.0)
     }
@@ -133,37 +200,31 @@ impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
     }
 
     /// How fast the displacement changes at the relative velocity `u`, where no steps are taken:
-    /// `ς̇ = (Y − k ς)/d`, see [`crate::continuous`].
+    /// `ς̇ = (F − k ς)/d`, see [`crate::continuous`].
     #[inline]
     pub fn rate(&self, u: X) -> X {
         if self.damping <= 0.0 {
             return X::default();
         }
-        let left = self.respond(u, 0.0).left;
-        (left - self.displacement * self.stiffness) / self.damping
+        let force = self.respond(u, 0.0).force;
+        (force - self.displacement * self.stiffness) / self.damping
     }
 
     /// A displacement, cut down to what the cap can hold.
     #[inline]
     pub fn clipped(&self, displacement: X) -> X {
-        if self.cap <= 0.0 {
-            return X::default();
-        }
-        let force = displacement * self.stiffness;
-        if self.limit.holds(&force, self.cap) {
-            return displacement;
-        }
-        self.limit.bear(force, self.cap).left / self.stiffness
+        let limit = if self.cap > 0.0 {
+            self.cap / self.stiffness
+        } else {
+            0.0
+        };
+        displacement.clip(limit)
     }
 
     /// Energy of the spring, J, times two.
     #[inline]
     pub fn twice_stored(&self) -> f64 {
-        if self.cap <= 0.0 {
-            return self.stiffness * self.displacement.dot(&self.displacement);
-        }
-        let force = self.displacement * self.stiffness;
-        self.limit.twice_held(&force, self.cap) / self.stiffness
+        self.stiffness * self.displacement.dot(&self.displacement)
     }
 }
 
@@ -212,7 +273,6 @@ pub fn stribeck(rest: f64, sliding: f64, speed: f64, reference: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spatial::Vec3;
 
     #[test]
     fn stribecks_curve_runs_from_rest_to_sliding() {
@@ -234,7 +294,6 @@ mod tests {
                 stiffness: 2e4,
                 damping: 30.0,
                 displacement: random.uniform(-1.5e-4, 1.5e-4),
-                limit: Radial,
             };
             let paid = h * u * element.respond(u, h).force;
             let before = element.displacement;
@@ -255,7 +314,6 @@ mod tests {
                 stiffness: 2e4,
                 damping: 30.0,
                 displacement,
-                limit: Radial,
             };
             let h = 1e-6 * element.damping / element.stiffness;
             let limit = element.cap / element.stiffness;
@@ -274,7 +332,6 @@ mod tests {
             stiffness: 1e3,
             damping: 1.0,
             displacement: 1e-3,
-            limit: Radial,
         };
         assert!(element.next(0.0, 1e-2).abs() < f64::MIN_POSITIVE);
         assert!(element.next_under_falling_cap(0.0, 1e-2).abs() < f64::MIN_POSITIVE);
@@ -294,14 +351,12 @@ mod tests {
                 stiffness: 2e4,
                 damping: 30.0,
                 displacement: random.uniform(-1e-4, 1e-4),
-                limit: Radial,
             };
             let space = ElastoPlastic {
                 cap: line.cap,
                 stiffness: line.stiffness,
                 damping: line.damping,
                 displacement: axis * line.displacement,
-                limit: Radial,
             };
             let (a, b) = (line.respond(u, h), space.respond(axis * u, h));
             assert!((axis * a.force - b.force).norm() < 1e-12 * line.cap);

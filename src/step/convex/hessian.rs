@@ -12,7 +12,6 @@ use crate::force::{
     Contact, ContactPoint, Other, PointResponse, Response, SpringTerm, TurnResponse,
 };
 use crate::kinematics::Kinematics;
-use crate::law::{ElastoPlastic, Face, Resistance};
 use crate::sparsity::coupled::Coupled;
 use crate::spatial::{
     Vec3, Vec6, across, add_force_at, add_scaled6, angular, dot6, join, linear, multiply_lower,
@@ -279,48 +278,22 @@ fn add_contact(
     let friction = &response.0.friction;
     let slope = h * friction.slope;
     if slope > 0.0 {
-        add_friction(G, contact, friction, slope);
-    }
-}
-
-/// Adds that of friction, which is `slope` but for the shape of a face.
-#[inline]
-fn add_friction(G: &mut [f64; 21], contact: &Contact, friction: &Resistance<Vec3>, slope: f64) {
-    let lever = |direction: &Vec3| {
-        let (along, moment) = contact.lever(direction);
-        join(&moment, &along)
-    };
-    let ElastoPlastic { limit, cap, .. } = &contact.friction;
-    let slips = friction.slip != Vec3::zeros();
-    if limit.is_point() || (!slips && Face::is_short(&friction.left, *cap)) {
+        let n = &contact.normal;
+        let mut add = |direction: &Vec3| {
+            let (along, moment) = contact.lever(direction);
+            add_square(G, &join(&moment, &along), slope);
+        };
         // Two directions across the slip, or two tangents and drilling. A single point does not
         // resist drilling, but may have been stretched by it before: then its slip leans out of
         // the tangent plane, and counts along both tangents.
-        let n = &contact.normal;
+        let slips = response.0.slips();
         let axis = if slips { friction.slip } else { *n };
         let first = n.cross(&axis).try_normalize(1e-12);
         let first = first.unwrap_or_else(|| across(n));
-        add_square(G, &lever(&first), slope);
-        add_square(G, &lever(&axis.cross(&first)), slope);
+        add(&first);
+        add(&axis.cross(&first));
         if contact.radius > 0.0 && !slips {
-            add_square(G, &lever(n), slope);
-        }
-        return;
-    }
-    // `Lᵀ K L` with the levers `L` of the axes of the face.
-    let K = limit.slope(&friction.left, *cap, slips);
-    let [a, b, c] = limit.axes();
-    let (a, b, c) = (lever(a), lever(b), lever(c));
-    for (lever, K) in [(&a, &K[0]), (&b, &K[1]), (&c, &K[2])] {
-        let K = [slope * K[0], slope * K[1], slope * K[2]];
-        let mix = |i: usize| K[0] * a[i] + K[1] * b[i] + K[2] * c[i];
-        let row = [mix(0), mix(1), mix(2), mix(3), mix(4), mix(5)];
-        let mut place = 0;
-        for (k, x) in lever.iter().enumerate() {
-            for y in &row[..=k] {
-                G[place] += x * y;
-                place += 1;
-            }
+            add(n);
         }
     }
 }
