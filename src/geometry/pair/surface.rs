@@ -193,8 +193,9 @@ fn is_behind(nearer: &Facet, this: &Facet) -> bool {
 }
 
 /// Whether a corner that is so deep in a triangle has passed a nearer one that lies before all of
-/// it, as at a crest, and that the middle of the shape is behind. That pushes nothing, as what hangs
-/// over a crest has it, but what is just behind it is not as deep in what is beyond the crest.
+/// it, as at a crest, and that the middle of the shape is behind. That pushes nothing, as what
+/// hangs over a crest has it, but what is just behind it is not as deep in what is beyond the
+/// crest.
 fn is_passed(
     surface: &Surface,
     facet: &Facet,

@@ -318,9 +318,9 @@ fn the_rim_of_a_can_before_a_step_is_not_in_its_tread() {
 
 /// A can whose lower rim is beyond one edge of the top of a thin wall, and the middle of its end
 /// beyond the other edge: the edges alone carry it, as those of a box do. The first place is 2.5 mm
-/// above the wall, the last one 5 mm in it, where a step of 1/240 s at 1.8 m/s may end: the edge was
-/// felt to overlap least with the side of the can, in a direction in which it does not push, and a
-/// can that was dropped fell through the wall.
+/// above the wall, the last one 5 mm in it, where a step of 1/240 s at 1.8 m/s may end: the edge
+/// was felt to overlap least with the side of the can, in a direction in which it does not push,
+/// and a can that was dropped fell through the wall.
 #[test]
 fn a_can_across_the_top_of_a_thin_wall_lies_on_its_edges() {
     let half = Vec3::new(0.01, 0.17, 0.06);
