@@ -77,7 +77,8 @@ fn asked(texts: &BTreeMap<PathBuf, Rc<str>>, condition: &str) -> Option<String> 
         let name = value.trim().strip_prefix("$(arg ")?.strip_suffix(')')?;
         Some(name.trim().to_owned())
     };
-    let value = attribute(condition, "value")?;
+    let (_, behind_name) = condition.split_once(char::is_whitespace)?;
+    let value = attribute(behind_name, "value")?;
     argument(&value).or_else(|| {
         let name = value.trim().strip_prefix("${")?.strip_suffix('}')?.trim();
         let mut tags = texts
