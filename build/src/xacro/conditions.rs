@@ -201,7 +201,7 @@ mod tests {
         );
     }
 
-    /// Twelve arms of a collection stand on `world` if an argument chooses a cell.
+    /// Arms of a collection stand on `world` if an argument chooses a cell.
     #[test]
     fn a_joint_that_a_condition_leaves_out_is_named_with_the_argument() {
         let text = "<robot>\n<xacro:property name='cell' value='$(arg cell_1)'/>\n\

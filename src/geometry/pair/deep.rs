@@ -110,11 +110,6 @@ pub(super) fn least_overlap_along(
     more: [Vec3; 2],
     acts: impl Fn(&Vec3) -> bool,
 ) -> Option<Vec3> {
-    let normals = |p: &Placed, i: usize| -> Option<Vec3> {
-        let end = p.solid.round.is_some().then(|| p.axis());
-        let normals = p.solid.mesh.normals.iter();
-        normals.map(|n| p.R * n).chain(end).nth(i)
-    };
     let mut best: Option<(f64, Vec3)> = None;
     let mut take = |n: Vec3| {
         for n in [n, -n] {
@@ -126,7 +121,9 @@ pub(super) fn least_overlap_along(
     };
     more.into_iter().for_each(&mut take);
     for p in [a, b] {
-        (0..).map_while(|i| normals(p, i)).for_each(&mut take);
+        let normals = p.solid.mesh.normals.iter().map(|n| p.R * n);
+        let end = p.solid.round.is_some().then(|| p.axis());
+        normals.chain(end).for_each(&mut take);
     }
     best.map(|(_, n)| n)
 }

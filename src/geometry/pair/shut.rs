@@ -136,7 +136,7 @@ impl<'a> On<'a> {
             return false;
         };
         let (p, slack) = (self.p, others.level());
-        let wide = 2.0 * self.o.solid.reach.min(p.solid.reach + self.o.solid.reach);
+        let wide = 2.0 * self.o.solid.reach;
         let ball = (&(p.world(x) + origin), wide + 2.0 * SEAM);
         let beyond = beyond(wall, x);
         let is_up = |(n, _): &Face| n.dot(d) > STRAIGHT && n.dot(&wall.0) < EVEN_EDGE;

@@ -106,11 +106,11 @@ pub(super) fn on_surface(
         own.each_on(shape, facet, sink.reach, |own, point, beside, over| {
             let deep = radius > 0.0 && facet.height(over) < 0.0;
             let within = || surface.is_within(&shape.p, over);
-            if deep && (!within() || !beside && is_off(surface, facet, over, about)) {
-                return;
-            }
-            let corner = point.x - facet.normal * (0.5 * point.depth);
-            if deep && is_passed(surface, facet, &shape.p, (&corner, point.depth)) {
+            let passed = || {
+                let corner = point.x - facet.normal * (0.5 * point.depth);
+                is_passed(surface, facet, &shape.p, (&corner, point.depth))
+            };
+            if deep && (!within() || !beside && is_off(surface, facet, over, about) || passed()) {
                 return;
             }
             let place = OnFacet {

@@ -27,7 +27,7 @@ fn driven(x: f64) -> Model {
     plate
 }
 
-/// A free plate that stands on the ground, in so many parts side by side.
+/// A free plate from one x to another that stands on the ground, its top at z = 0.1.
 fn free(mass: f64, from: f64, to: f64) -> Model {
     let half = Vec3::new(0.5 * (to - from), 0.5, 0.05);
     body(
