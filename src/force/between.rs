@@ -48,11 +48,11 @@ pub(super) fn find_pairs(
             other_link: Some(b.link),
             slot,
             thickness: pair.thickness(),
-            mass: pair.mass(tree),
+            mass: pair.mass(tree) * patch.share,
             normal: part.normal,
             uneven: part.uneven,
             points: first..points.len(),
-            spring: pair.spring(tree),
+            spring: pair.spring(tree).part(patch.share),
             ..Contact::default()
         };
         contact.gather(points, &kin.V, h);
@@ -106,7 +106,7 @@ pub(super) fn held_between(tree: &Tree, kin: &Kinematics, contacts: &mut Contact
         pair.add_points(tree, (patch, &patch.parts()[part]), points);
         let (depth, _) = norm(points, 0.0);
         depths.push((slot, depth));
-        sum += pair.spring(tree).stored(depth);
+        sum += pair.spring(tree).part(patch.share).stored(depth);
         false
     };
     pairs.each((tree, kin), ([0.0, 0.0], true), |_| false, add);

@@ -136,7 +136,8 @@ pub struct Contact {
     /// point, and another one the mean of both: the middles pass each other at twice this depth.
     /// Infinite with the ground.
     pub thickness: f64,
-    /// Mass that takes part: that of the body's tree, reduced by that of the other one, kg.
+    /// Mass that takes part: that of the body's tree, reduced by that of the other one, kg; of that
+    /// the share that its spring has, see [`crate::geometry::pair::Patch::share`].
     pub mass: f64,
     /// Unit vector from the ground or the other body into the body.
     pub normal: Vec3,
@@ -148,7 +149,7 @@ pub struct Contact {
     pub depth: f64,
     /// Sum of `∂δ₀/∂d_i`; 1 where none is inside.
     pub weights: f64,
-    /// Spring of the normal force.
+    /// Spring of the normal force, or its share.
     pub spring: Stiffening,
     /// Damping of that force.
     pub damping: Damping,

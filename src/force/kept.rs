@@ -23,6 +23,7 @@ struct Look {
     places: [usize; 2],
     poses: [Pose; 2],
     normal: Vec3,
+    share: f64,
     /// See [`Patch::blended`] and [`Patch::deep`].
     blended: [bool; 2],
     points: Range<usize>,
@@ -63,6 +64,7 @@ impl Kept {
                 places,
                 poses: *pair.poses(),
                 normal: patch.normal,
+                share: patch.share,
                 blended: [patch.blended, patch.deep],
                 points: first..self.points.len(),
             });
@@ -87,7 +89,7 @@ impl Kept {
             return None;
         }
         patch.take(
-            &look.normal,
+            (&look.normal, look.share),
             look.blended,
             &self.points[look.points.clone()],
         );

@@ -64,6 +64,43 @@ impl<'a> Pair<'a> {
         patch.find_whole(pair, Some(self), reach)
     }
 
+    /// O of the first one's tree in the world.
+    fn origin(&self) -> Vec3 {
+        self.kin.origins[self.colliders[0].tree]
+    }
+
+    /// Whether `is` says yes of any other shape that may touch the one at the place `above` and
+    /// comes near a ball; with where it stands, from O of the first one's tree.
+    fn any_near(
+        &self,
+        [beside, above]: [usize; 2],
+        (center, radius): (&Vec3, f64),
+        is: &mut dyn FnMut(&TreeCollider, &Solid, &Pose) -> bool,
+    ) -> bool {
+        let Self { tree, kin, .. } = self;
+        let origin = self.origin();
+        let mut stands = |place: usize| {
+            let other = &tree.contact.colliders[place];
+            let pair = [place.min(above), place.max(above)];
+            let Some(solid) = other.solid.as_deref() else {
+                return false;
+            };
+            if place == beside || !tree.contact.may_touch(pair) {
+                return false;
+            }
+            let (X, from) = (&kin.X[other.body], kin.origins[other.tree] - origin);
+            let p = X.point(&other.X.p) + from;
+            let R = X.R * other.X.R;
+            let near = (p - center).norm() <= radius + other.radius;
+            near && is(other, solid, &Pose { R, p })
+        };
+        let x = center.x + origin.x;
+        tree.worked_movers().any(|(place, _)| stands(place)) || {
+            let still = tree.contact.scenery.within([x - radius, x + radius]);
+            still.into_iter().any(|still| stands(still.place))
+        }
+    }
+
     /// Their poses, from O of the first one's tree.
     pub fn poses(&self) -> &[Pose; 2] {
         &self.poses
@@ -238,52 +275,47 @@ impl Others for Pair<'_> {
     fn any(
         &self,
         first: bool,
-        (center, radius): (&Vec3, f64),
+        ball: (&Vec3, f64),
         is: &mut dyn FnMut(&Solid, &Pose) -> bool,
     ) -> bool {
-        let Self { tree, kin, .. } = self;
         let [beside, above] = [usize::from(!first), usize::from(first)].map(|i| self.places[i]);
-        let colliders = &tree.contact.colliders;
-        let own = &colliders[beside];
+        let own = &self.tree.contact.colliders[beside];
         let on_terrain = own.solid.as_ref().is_some_and(|solid| solid.is_terrain());
-        // Positions from O of the first one's tree.
-        let origin = kin.origins[self.colliders[0].tree];
-        let mut stands = |place: usize| {
-            let other = &colliders[place];
-            // Boxes and hulls know what stands still beside them.
-            let apart = own.body != other.body && (own.moves || other.moves) || on_terrain;
-            let pair = [place.min(above), place.max(above)];
-            let Some(solid) = other.solid.as_deref() else {
-                return false;
-            };
-            if place == beside || !apart || !tree.contact.may_touch(pair) {
-                return false;
-            }
-            let (X, from) = (&kin.X[other.body], kin.origins[other.tree] - origin);
-            let p = X.point(&other.X.p) + from;
-            let near = (p - center).norm() <= radius + other.radius;
-            near && is(
-                solid,
-                &Pose {
-                    R: X.R * other.X.R,
-                    p,
-                },
-            )
+        // Boxes and hulls know what stands still beside them.
+        let apart = |other: &TreeCollider| {
+            own.body != other.body && (own.moves || other.moves) || on_terrain
         };
-        let x = center.x + origin.x;
-        tree.worked_movers().any(|(place, _)| stands(place))
-            || {
-                let still = tree.contact.scenery.within([x - radius, x + radius]);
-                still.into_iter().any(|still| stands(still.place))
-            }
+        let mut is_beside =
+            |other: &TreeCollider, solid: &Solid, X: &Pose| apart(other) && is(solid, X);
+        self.any_near([beside, above], ball, &mut is_beside)
             || own.moves
-                && tree.contact.ground_solid.as_ref().is_some_and(|ground| {
-                    let there = Pose {
-                        p: -origin,
-                        ..Pose::IDENTITY
-                    };
-                    is(ground, &there)
-                })
+                && self
+                    .tree
+                    .contact
+                    .ground_solid
+                    .as_ref()
+                    .is_some_and(|ground| {
+                        let there = Pose {
+                            p: -self.origin(),
+                            ..Pose::IDENTITY
+                        };
+                        is(ground, &there)
+                    })
+    }
+
+    fn carries(&self) -> bool {
+        !self.colliders[1].yields && !self.is_on_terrain()
+    }
+
+    fn any_that_carries(
+        &self,
+        ball: (&Vec3, f64),
+        is: &mut dyn FnMut(&Solid, &Pose) -> bool,
+    ) -> bool {
+        let [above, beside] = self.places;
+        let mut carries =
+            |other: &TreeCollider, solid: &Solid, X: &Pose| !other.yields && is(solid, X);
+        self.any_near([beside, above], ball, &mut carries)
     }
 
     fn level(&self) -> f64 {

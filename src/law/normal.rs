@@ -82,6 +82,15 @@ impl Stiffening {
         }
     }
 
+    /// The part of it that carries a share of the weight, as deep.
+    #[must_use]
+    pub fn part(&self, share: f64) -> Self {
+        Self {
+            stiffness: self.stiffness * share,
+            ..*self
+        }
+    }
+
     /// `(δ/δ₁)³`.
     #[inline]
     fn excess(&self, depth: f64) -> f64 {

@@ -42,10 +42,8 @@ impl Tree {
             let ground = ground.as_deref().filter(|_| body.is_none());
             for (other, shape) in others.chain(ground.map(|plane| (&Pose::IDENTITY, plane))) {
                 let there = back.compose(other);
-                match solid.touched_by(shape, &there) {
-                    Some(touches) => beside.push(touches),
-                    None => across.extend(solid.across_to(shape, &there, widest)),
-                }
+                beside.extend(solid.touched_by(shape, &there));
+                across.extend(solid.across_to(shape, &there, widest));
             }
             if let Some(solid) = solid.with_beside(beside, across) {
                 joined.push((*place, Arc::new(solid)));

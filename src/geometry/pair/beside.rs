@@ -53,14 +53,11 @@ pub(super) fn is_on(surface: &Surface, x: &Vec3, slack: f64) -> bool {
     surface.is_any_near(x, slack, |facet| facet.apart(x).norm() <= slack)
 }
 
-/// A face of another solid, level with one of a solid, across a gap behind a wall of that; in the
-/// axes of that.
+/// A face of another solid that is level with one of a solid; in the axes of that.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Across {
-    /// Outward normal of the wall.
-    pub(super) wall: Vec3,
-    /// Normal of both level faces.
-    pub(super) up: Vec3,
-    /// All faces of the other one but that.
+    /// Both level faces.
+    pub(super) up: Face,
+    /// Walls along the edges of that of the other one.
     pub(super) sides: Vec<Face>,
 }

@@ -6,9 +6,10 @@
 //! never leans towards a wall that another one covers there: what the direction has along the
 //! normal of that wall is left out. Between two level plates, the normal is that of both.
 //!
-//! The same holds for a plate whose top is level with the ground, and for two level plates with a
-//! gap between them, as long as a face or the flat end of what slides lies on the one plate where
-//! it comes to the other one. What rolls comes down into a gap, and meets its edge.
+//! The same holds for a plate whose top is level with the ground, and for two things whose tops are
+//! level with a gap between them, as long as a part of a face or of the flat end of what slides lies
+//! on the one where it comes to the other one. What rolls comes down into a gap, and meets its edge.
+//! Of a cylinder that stands there the wall is the one at which the direction leads out of it.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -68,14 +69,14 @@ impl Solid {
         (!apart).then_some(Beside::Faces(faces))
     }
 
-    /// Where `other`, which stands at `X` in its own axes and is not against it, goes on as high as
-    /// it behind a wall: one for each such wall and face.
+    /// Where `other`, which stands at `X` in its own axes, has a face that is level with one of its
+    /// own.
     ///
     /// - `widest`: greatest distance of a place of what may lie on both from its origin, m
     pub fn across_to(&self, other: &Self, X: &Pose, widest: f64) -> Vec<Across> {
         let mut across = Vec::new();
         let near = X.p.norm() <= self.reach + other.reach + 2.0 * widest;
-        if !near || !self.is_polyhedron() || !other.is_polyhedron() {
+        if !near || !self.has_faces() || !other.has_faces() {
             return across;
         }
         let (faces, there) = other.placed_at(X);
@@ -87,16 +88,14 @@ impl Solid {
             let Some((level, _)) = faces.iter().enumerate().find(is_level) else {
                 continue;
             };
-            let behind = |(n, height): &Face| {
-                n.dot(&up) < EVEN_EDGE && there.iter().all(|x| n.dot(x) > height - SEAM)
-            };
-            let others = faces.iter().enumerate().filter(|(i, _)| *i != level);
-            let sides: Vec<Face> = others.map(|(_, face)| *face).collect();
-            across.extend(self.faces().filter(behind).map(|(wall, _)| Across {
-                wall,
-                up,
-                sides: sides.clone(),
-            }));
+            let sides = other.sides(level).map(|(n, height)| {
+                let n = X.R * n;
+                (n, height + n.dot(&X.p))
+            });
+            across.push(Across {
+                up: (up, height),
+                sides: sides.collect(),
+            });
         }
         across
     }
@@ -156,13 +155,13 @@ pub(super) struct Kept {
 /// (`what_slides_onto_a_wedge_climbs_it`)
 fn kept(on: &On, n: &Vec3, x: &Vec3) -> Option<Vec3> {
     let p = on.p;
-    if on.is_alone() || !p.solid.is_polyhedron() {
+    if on.is_alone() || !p.solid.has_faces() {
         return None;
     }
     let mut d = p.R.tr_mul(n);
     // The normal of a face leans to no wall, and that of a wall stays.
     if p.solid
-        .faces()
+        .walls(&d)
         .any(|(n, _)| (n - d).norm_squared() < LEAN * LEAN)
     {
         return None;
@@ -170,11 +169,8 @@ fn kept(on: &On, n: &Vec3, x: &Vec3) -> Option<Vec3> {
     let x = edge(p.solid, &p.R.tr_mul(&(x - p.p)), &d);
     let is_closed = |face: &Face, d: &Vec3| on.is_closed(*face, &x, d);
     let corner = farthest(p.solid, &d);
-    let there = || {
-        p.solid
-            .faces()
-            .filter(|(n, height)| n.dot(&corner) > height - SEAM)
-    };
+    let walls = || p.solid.walls(&corner);
+    let there = || walls().filter(|(n, height)| n.dot(&corner) > height - SEAM);
     // Two walls at a corner need not be at right angles: what leads over the second one is taken
     // across the first, and the first is looked at once more.
     let mut gone: Option<Vec3> = None;
@@ -213,8 +209,12 @@ fn way_over(open: impl Iterator<Item = Face>, n: &Vec3, d: &Vec3) -> Vec3 {
     best.1
 }
 
-/// The corner of a polyhedron that is farthest along `d`.
+/// The corner of a polyhedron, or place on the rim of a cylinder, that is farthest along `d`.
 fn farthest(solid: &Solid, d: &Vec3) -> Vec3 {
+    if solid.round.is_some() {
+        let walls = solid.walls(d).filter(|(n, _)| n.dot(d) > 0.0);
+        return walls.map(|(n, height)| n * height).sum();
+    }
     let corners = solid.mesh.corners.iter().copied();
     let farther = |a: &Vec3, b: &Vec3| a.dot(d).total_cmp(&b.dot(d));
     corners.max_by(farther).unwrap_or_default()
@@ -223,7 +223,7 @@ fn farthest(solid: &Solid, d: &Vec3) -> Vec3 {
 /// The place of a solid that is nearest to `x`, for faces at right angles.
 fn within(solid: &Solid, x: &Vec3) -> Vec3 {
     let mut x = *x;
-    for (n, height) in solid.faces() {
+    for (n, height) in solid.walls(&x) {
         x -= n * (n.dot(&x) - height).max(0.0);
     }
     x
@@ -234,7 +234,7 @@ fn within(solid: &Solid, x: &Vec3) -> Vec3 {
 /// can come from above.
 fn edge(solid: &Solid, x: &Vec3, d: &Vec3) -> Vec3 {
     let mut x = within(solid, x);
-    for (n, height) in solid.faces() {
+    for (n, height) in solid.walls(d) {
         if n.dot(d) > LEAN {
             x += n * (height - n.dot(&x));
         }
@@ -299,8 +299,8 @@ fn is_over(on: &On, up: &Vec3, x: &Vec3) -> bool {
     let p = on.p;
     let (x, up) = (p.R.tr_mul(&(x - p.p)), p.R.tr_mul(up));
     let place = within(p.solid, &x);
-    let mut faces = p.solid.faces();
-    faces.all(|face| face.0.dot(&x) <= face.1 || !on.is_closed(face, &place, &up))
+    let mut walls = p.solid.walls(&x);
+    walls.all(|face| face.0.dot(&x) <= face.1 || !on.is_closed(face, &place, &up))
 }
 
 /// Adds the lowest points of what lies on a solid with covered walls, as far as they are over it:

@@ -7,6 +7,7 @@ use super::nearest::{Apart, nearest};
 use super::placed::{Placed, separation};
 use super::points::{Points, Side, point};
 use super::polygon::{Asked, Cover, Limits, Polygons, cover};
+use super::share::share;
 use super::shut::Among;
 use super::trace::{Trace, along_axes};
 use super::view::{Frame, Seen};
@@ -26,6 +27,8 @@ pub(super) struct Meeting {
     work: Polygons,
     /// Whether walls that nothing can come between had a part in the last query.
     pub(super) flush: bool,
+    /// Up to which gap places counted in it, m.
+    level: f64,
 }
 
 impl Default for Meeting {
@@ -35,6 +38,7 @@ impl Default for Meeting {
             lower: Seen::NONE,
             work: Polygons::NONE,
             flush: false,
+            level: 0.0,
         }
     }
 }
@@ -142,6 +146,7 @@ impl Meeting {
                 limits.level = part * gap + (1.0 - part) * least + blend;
             }
         }
+        self.level = limits.level;
         let mut left = 1.0;
         match (a.solid.round, b.solid.round) {
             (Some(round), Some(other)) => {
@@ -178,6 +183,17 @@ impl Meeting {
         (n, blended, apart.deep)
     }
 
+    /// Share of the spring of a contact that the last query has found, see `share.rs`.
+    ///
+    /// - `pair`: what yields, and what carries it
+    /// - `n`: unit vector from that to this
+    pub(super) fn share(&mut self, pair: [&Placed; 2], n: &Vec3, others: &Among) -> f64 {
+        let Self {
+            upper, lower, work, ..
+        } = self;
+        share(pair, n, self.level, others, ([upper, lower], work))
+    }
+
     /// What the faces of both have in common.
     fn cover(
         &mut self,
@@ -194,7 +210,13 @@ impl Meeting {
         upper.face(a, &frame, -1.0, lower.heights.1 + limits.level);
         lower.face(b, &frame, 1.0, upper.heights.0 - limits.level);
         let pair = ((&*upper, &a.solid.mesh), (&*lower, &b.solid.mesh));
-        cover(pair.0, pair.1, &frame, limits, work, points)
+        let mut all = cover(pair.0, pair.1, &frame, limits, work, points);
+        if self.flush && all.weight > 0.0 {
+            // However little of a face is over one side of a joint, it lies there as it does on the
+            // other side.
+            all.part = 1.0;
+        }
+        all
     }
 
     /// How high the lowest of `a` that lies over faces of `b` is above these, m.

@@ -59,6 +59,7 @@ mod points;
 mod polygon;
 mod ring;
 mod segments;
+mod share;
 mod shut;
 mod sink;
 mod surface;
@@ -99,6 +100,9 @@ pub struct Patch {
     pub blended: bool,
     /// Whether these smaller cores meet, too: then the normal may jump.
     pub deep: bool,
+    /// Share of the spring that the contact has, 0 … 1: less than 1 where what carries the first
+    /// shape together with the second one has another part of a face.
+    pub share: f64,
     points: Points,
     meeting: Meeting,
     on_surface: surface::Scratch,
@@ -173,7 +177,7 @@ impl Patch {
             }
             self.points.finish(&couple.origin, None, couple.swapped);
             self.count = terrain::parts(&mut self.points, &mut self.parts);
-            (self.blended, self.deep) = (false, false);
+            (self.blended, self.deep, self.share) = (false, false, 1.0);
             self.normal = self.parts[0].normal;
             return self.count > 0;
         }
@@ -205,7 +209,14 @@ impl Patch {
         }
         let normal = Some(&self.normal);
         self.points.finish(&couple.origin, normal, couple.swapped);
-        self.be_one_part()
+        self.share = match &among {
+            Some(among) if self.points.count() > 0 => {
+                let pair = [&couple.first, &couple.second];
+                self.meeting.share(pair, &self.normal, among)
+            }
+            _ => 1.0,
+        };
+        self.share > 0.0 && self.be_one_part()
     }
 
     /// Makes all points one part; tells whether there are any.
@@ -237,8 +248,13 @@ impl Patch {
     }
 
     /// Takes points that [`Self::find_whole`] has found.
-    pub fn take(&mut self, normal: &Vec3, [blended, deep]: [bool; 2], points: &[PatchPoint]) {
-        self.normal = *normal;
+    pub fn take(
+        &mut self,
+        (normal, share): (&Vec3, f64),
+        [blended, deep]: [bool; 2],
+        points: &[PatchPoint],
+    ) {
+        (self.normal, self.share) = (*normal, share);
         (self.blended, self.deep) = (blended, deep);
         self.points.take(points);
         self.be_one_part();

@@ -2,6 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
+use super::beside::Face;
 use super::core::{Core, Solid};
 use crate::spatial::{Mat3, Pose, Vec3};
 
@@ -41,6 +42,17 @@ impl<'a> Placed<'a> {
     /// A point of its own axes in those of the poses.
     pub(super) fn world(&self, local: &Vec3) -> Vec3 {
         self.p + self.R * local
+    }
+
+    /// A face of its own axes in those of the poses.
+    pub(super) fn face(&self, (n, height): Face) -> Face {
+        let n = self.R * n;
+        (n, height + n.dot(&self.p))
+    }
+
+    /// See [`Solid::sides`].
+    pub(super) fn sides(&self, face: usize) -> impl Iterator<Item = Face> + '_ {
+        self.solid.sides(face).map(|side| self.face(side))
     }
 
     /// The point of the core that is farthest along `d`.

@@ -45,7 +45,7 @@ impl Polygon {
         }
     }
 
-    fn take(&mut self, corners: impl Iterator<Item = Vec3>) {
+    pub(super) fn take(&mut self, corners: impl Iterator<Item = Vec3>) {
         self.count = 0;
         for x in corners {
             self.push(x);
@@ -57,7 +57,7 @@ impl Polygon {
     }
 
     /// What of `from` has `side ≥ 0`, a linear function of the place.
-    fn cut(&mut self, from: &Self, side: impl Fn(&Vec3) -> f64) {
+    pub(super) fn cut(&mut self, from: &Self, side: impl Fn(&Vec3) -> f64) {
         self.count = 0;
         let Some(last) = from.corners().last() else {
             return;
@@ -73,6 +73,52 @@ impl Polygon {
             }
             (a, before) = (b, after);
         }
+    }
+
+    /// Whether it is more than a line, in space.
+    pub(super) fn has_area(&self) -> bool {
+        let list = self.corners();
+        let Some(first) = list.first() else {
+            return false;
+        };
+        let ends = list[1..].iter().zip(list.iter().skip(2));
+        let double: Vec3 = ends.map(|(a, b)| (a - first).cross(&(b - first))).sum();
+        double != Vec3::zeros()
+    }
+
+    /// Area, m², as seen.
+    pub(super) fn area(&self) -> f64 {
+        self.integral(|_| 0.0).0
+    }
+
+    /// The same of what lies within an outline, counter-clockwise; `scratch` is overwritten.
+    pub(super) fn area_within(
+        &self,
+        outline: impl Iterator<Item = Vec3> + Clone,
+        scratch: [&mut Self; 2],
+    ) -> f64 {
+        let [one, two] = scratch;
+        one.take(self.corners().iter().copied());
+        Self::keep_within([one, two], outline)[0].area()
+    }
+
+    /// What of the first one lies within an outline, counter-clockwise, and the other one, which is
+    /// scratch.
+    fn keep_within(
+        [mut one, mut two]: [&mut Self; 2],
+        outline: impl Iterator<Item = Vec3> + Clone,
+    ) -> [&mut Self; 2] {
+        let mut ends = outline.clone();
+        let begin = ends.next();
+        for (a, b) in outline.zip(ends.chain(begin)) {
+            two.cut(one, |x| turn(&(b - a), &(x - a)));
+            // Places are swapped, not what stands there.
+            std::mem::swap(&mut one, &mut two);
+            if one.count == 0 {
+                break;
+            }
+        }
+        [one, two]
     }
 
     /// Area, and integral of a linear function over it.
@@ -122,14 +168,16 @@ fn turn(a: &Vec3, b: &Vec3) -> f64 {
 /// Memory for the polygons of a query.
 #[derive(Clone, Debug)]
 pub(super) struct Polygons {
-    one: Polygon,
-    two: Polygon,
+    pub(super) one: Polygon,
+    pub(super) two: Polygon,
+    pub(super) third: Polygon,
 }
 
 impl Polygons {
     pub(super) const NONE: Self = Self {
         one: Polygon::NONE,
         two: Polygon::NONE,
+        third: Polygon::NONE,
     };
 }
 
@@ -218,21 +266,11 @@ pub(super) fn cover(
                 }
             }
             let gap = |x: &Vec3| x.z - g.height(x);
-            let Polygons { one, two } = work;
-            // Places to be swapped, not what stands there.
-            let (mut one, mut two) = (one, two);
+            let Polygons { one, two, .. } = &mut *work;
             let face = upper.outline(upper_mesh, f.index).rev();
             one.take(face.clone());
             let outline = lower.outline(lower_mesh, g.index);
-            let mut ends = outline.clone();
-            let begin = ends.next();
-            for (a, b) in outline.zip(ends.chain(begin)) {
-                two.cut(one, |x| turn(&(b - a), &(x - a)));
-                std::mem::swap(&mut one, &mut two);
-                if one.count == 0 {
-                    break;
-                }
-            }
+            let [one, two] = Polygon::keep_within([one, two], outline);
             let nearest = one.corners().iter().map(gap).fold(f64::INFINITY, f64::min);
             all.least = all.least.min(nearest);
             if limits.asked == Asked::Least {

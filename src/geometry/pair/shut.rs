@@ -15,6 +15,7 @@ use super::beside::{Face, is_in, is_on};
 use super::core::{Core, Solid};
 use super::lowest::{lowest_of, places, skin};
 use super::placed::Placed;
+use super::polygon::Polygon;
 use crate::spatial::{Pose, Vec3};
 use crate::tuning::{EVEN_EDGE, SEAM, STRAIGHT};
 use std::cell::Cell;
@@ -28,6 +29,17 @@ pub trait Others {
     fn any(
         &self,
         first: bool,
+        ball: (&Vec3, f64),
+        is: &mut dyn FnMut(&Solid, &Pose) -> bool,
+    ) -> bool;
+
+    /// Whether the first one yields, and the second one, on which it lies, does not.
+    fn carries(&self) -> bool;
+
+    /// Whether `is` says yes of any of them that does not yield and comes near a ball, in the frame
+    /// of both shapes: what carries the first one together with the second one.
+    fn any_that_carries(
+        &self,
         ball: (&Vec3, f64),
         is: &mut dyn FnMut(&Solid, &Pose) -> bool,
     ) -> bool;
@@ -60,6 +72,39 @@ impl Among<'_> {
                     && other.holds(&(seen + wall * (2.0 * SEAM)), slack)
             })
         })
+    }
+}
+
+impl Among<'_> {
+    /// Whether anything that comes near a ball carries the first shape together with the second one.
+    pub(super) fn carry_near(&self, (center, radius): (&Vec3, f64)) -> bool {
+        let ball = (&(center + self.origin), radius);
+        self.others.carries() && self.others.any_that_carries(ball, &mut |_, _| true)
+    }
+
+    /// All that carries the first shape together with the second one and comes near a ball, with a
+    /// face that is level with one of the second one: that is given by a place and its normal. Of
+    /// each the solid, its face and where it stands.
+    pub(super) fn each_level(
+        &self,
+        (place, up): (&Vec3, &Vec3),
+        (center, radius): (&Vec3, f64),
+        each: &mut dyn FnMut(&Solid, usize, &Pose),
+    ) {
+        let slack = self.others.level();
+        let ball = (&(center + self.origin), radius);
+        self.others.any_that_carries(ball, &mut |solid, X| {
+            let seen = Pose {
+                p: X.p - self.origin,
+                ..*X
+            };
+            let back = seen.inverse();
+            let found = solid.level_face(&back.point(place), &(back.R * up), slack);
+            if let Some((face, _)) = found.filter(|_| solid.has_faces()) {
+                each(solid, face, &seen);
+            }
+            false
+        });
     }
 }
 
@@ -115,11 +160,8 @@ impl<'a> On<'a> {
         let (mut beside, mut across) = (solid.beside.iter(), solid.across.iter());
         beside.any(|other| other.holds(&beyond, SEAM))
             || across.any(|a| {
-                let holds = |x: &Vec3| a.sides.iter().all(|(n, height)| n.dot(x) <= *height);
-                // At a corner `d` leans to two walls.
-                a.wall == wall.0
-                    && a.up.dot(d) > STRAIGHT
-                    && lies_on((self.p, self.o), (&a.wall, &a.up), holds)
+                let sides = a.sides.iter().map(|face| self.p.face(*face));
+                is_edge((&a.up.0, d), wall) && self.lies_on(self.p.face(a.up), sides)
             })
             || self.is_level_with_others(wall, x, d)
     }
@@ -139,7 +181,7 @@ impl<'a> On<'a> {
         let wide = 2.0 * self.o.solid.reach;
         let ball = (&(p.world(x) + origin), wide + 2.0 * SEAM);
         let beyond = beyond(wall, x);
-        let is_up = |(n, _): &Face| n.dot(d) > STRAIGHT && n.dot(&wall.0) < EVEN_EDGE;
+        let is_up = |(n, _): &Face| is_edge((n, d), wall);
         others.any(self.first != *swapped, ball, &mut |other, X| {
             // From the axes of the solid to those of the other one.
             let back = X.inverse();
@@ -150,11 +192,10 @@ impl<'a> On<'a> {
                 let Some((level, over)) = found else {
                     return false;
                 };
+                let there = Placed::new(other, X, origin);
                 let is_shut = other.holds(&seen(&beyond), slack)
-                    || other.is_behind(&(back.R * (p.R * wall.0)), &seen(&beyond), slack)
-                        && lies_on((p, self.o), (&wall.0, &up), |x| {
-                            other.holds_beside(level, &seen(x))
-                        });
+                    || other.has_faces()
+                        && self.lies_on((out, out.dot(&p.world(x)) - over), there.sides(level));
                 if is_shut {
                     let least = lowest_of(places(self.o, &out), &out) - skin(self.o);
                     let rise = least - (out.dot(&p.world(x)) - over);
@@ -164,33 +205,41 @@ impl<'a> On<'a> {
             })
         })
     }
+
+    /// Whether the other one lies with a part of a face or of a flat end on a face within these
+    /// sides of it. A part that is no wider than they sink in may be what it has sunk in beside it.
+    fn lies_on(&self, (up, height): Face, sides: impl Iterator<Item = Face>) -> bool {
+        let (o, slack) = (
+            self.o,
+            self.others.map_or(0.0, |among| among.others.level()),
+        );
+        let mesh = &o.solid.mesh;
+        let down = o.R.tr_mul(&-up);
+        let steep = |a: &usize, b: &usize| {
+            let [a, b] = [a, b].map(|i| mesh.normals[*i].dot(&down));
+            a.total_cmp(&b)
+        };
+        let Some(lowest) = (0..mesh.normals.len()).max_by(steep) else {
+            return false;
+        };
+        let corners = mesh.face(lowest).iter().map(|i| o.world(&mesh.corners[*i]));
+        let mut rises = corners.clone().map(|x| up.dot(&x) - height);
+        if rises.any(|rise| rise.abs() > o.solid.blend) {
+            return false;
+        }
+        let (mut one, mut two) = (Polygon::NONE, Polygon::NONE);
+        one.take(corners);
+        for (n, height) in sides {
+            two.cut(&one, |x| height - slack - n.dot(x));
+            std::mem::swap(&mut one, &mut two);
+        }
+        one.has_area()
+    }
 }
 
-/// Whether `o` lies with a face or a flat end on what is level with `p` behind a gap at its wall
-/// `n`, and has a place that `holds` tells, in the axes of `p`.
-fn lies_on(
-    (p, o): (&Placed, &Placed),
-    (n, up): (&Vec3, &Vec3),
-    holds: impl Fn(&Vec3) -> bool,
-) -> bool {
-    let (n, up) = (p.R * n, p.R * up);
-    let lies = |x: Vec3| holds(&p.R.tr_mul(&(x - p.p)));
-    match o.core {
-        Core::Box { .. } | Core::Corners(_) => {
-            let least = lowest_of(places(o, &up), &up);
-            let lowest = || places(o, &up).filter(|x| up.dot(x) < least + o.solid.blend);
-            lowest().count() > 2 && lowest().any(lies)
-        }
-        // On its rim, the place that is farthest beyond the gap.
-        Core::Cylinder { radius, half } => {
-            let upright = o.axis().dot(&up);
-            let side = |n: &Vec3| n - o.axis() * o.axis().dot(n);
-            let rim = side(&n).try_normalize(STRAIGHT).unwrap_or_default() * *radius;
-            let end = o.axis() * if upright > 0.0 { -half } else { *half };
-            radius * side(&up).norm() < o.solid.blend && lies(o.p + end + rim)
-        }
-        _ => false,
-    }
+/// Whether over a wall the direction `d` leads out of a face with the normal `up`, too.
+fn is_edge((up, d): (&Vec3, &Vec3), wall: Face) -> bool {
+    up.dot(d) > STRAIGHT && up.dot(&wall.0) < EVEN_EDGE
 }
 
 /// A place just beyond a wall.
@@ -200,7 +249,7 @@ fn beyond((n, height): Face, x: &Vec3) -> Vec3 {
 
 /// What is asked of a solid beside another one, in its own axes.
 impl Solid {
-    /// Flat faces of a polyhedron.
+    /// Flat faces of a polyhedron, and the ends of a cylinder.
     pub(super) fn faces(&self) -> impl Iterator<Item = Face> + '_ {
         let mesh = &self.mesh;
         (0..mesh.normals.len()).map(|i| {
@@ -209,9 +258,33 @@ impl Solid {
         })
     }
 
+    /// The same, and of a cylinder the wall at which a direction leads out of it.
+    pub(super) fn walls(&self, out: &Vec3) -> impl Iterator<Item = Face> + '_ {
+        let side = Vec3::new(out.x, out.y, 0.0).try_normalize(f64::MIN_POSITIVE);
+        let round = self.round.filter(|round| round.flat);
+        let wall = round.and_then(|round| Some((side?, round.radius)));
+        self.faces().chain(wall)
+    }
+
+    /// Walls that are upright on a face, along its edges.
+    pub(super) fn sides(&self, face: usize) -> impl Iterator<Item = Face> + '_ {
+        let (up, corners) = (self.mesh.normals[face], self.mesh.face(face));
+        let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+        ends.filter_map(move |(&a, &b)| {
+            let [a, b] = [a, b].map(|i| self.mesh.corners[i]);
+            let n = (b - a).cross(&up).try_normalize(f64::MIN_POSITIVE)?;
+            Some((n, n.dot(&a)))
+        })
+    }
+
+    /// Whether it has flat faces: a box, a hull or a cylinder.
+    pub(super) fn has_faces(&self) -> bool {
+        !self.mesh.normals.is_empty()
+    }
+
     /// Whether it is a box or a hull.
     pub(super) fn is_polyhedron(&self) -> bool {
-        matches!(self.core, Core::Box { .. } | Core::Corners(_)) && !self.mesh.normals.is_empty()
+        matches!(self.core, Core::Box { .. } | Core::Corners(_)) && self.has_faces()
     }
 
     /// Whether a place is inside, or not farther from it than `slack`, m. Terrain holds what is
@@ -252,17 +325,5 @@ impl Solid {
                 faces.find_map(|(i, (n, height))| level(i, &n, n.dot(x) - height))
             }
         }
-    }
-
-    /// Whether all of a polyhedron lies beyond a wall with the normal `n` at a place.
-    fn is_behind(&self, n: &Vec3, x: &Vec3, slack: f64) -> bool {
-        let least = n.dot(x) - slack;
-        self.is_polyhedron() && self.mesh.corners.iter().all(|c| n.dot(c) > least)
-    }
-
-    /// Whether a place is on the own side of all faces of a polyhedron but one.
-    fn holds_beside(&self, face: usize, x: &Vec3) -> bool {
-        let mut faces = self.faces().enumerate();
-        faces.all(|(i, (n, height))| i == face || n.dot(x) <= height)
     }
 }

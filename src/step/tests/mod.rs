@@ -52,6 +52,7 @@ mod rims;
 mod rolling;
 mod seams;
 mod servos;
+mod shares;
 mod sliding;
 mod springs;
 mod standing;

@@ -81,10 +81,10 @@ fn what_is_found_whole_is_what_is_found_at_any_reach() {
         if !whole.find_whole([pair.0, pair.1], None, 0.0) {
             continue;
         }
-        let (points, normal) = (whole.points().to_vec(), whole.normal);
+        let (points, lies) = (whole.points().to_vec(), (whole.normal, whole.share));
         let kinds = [whole.blended, whole.deep];
         for reach in [0.0, 1e-3, 0.01, 0.1] {
-            whole.take(&normal, kinds, &points);
+            whole.take((&lies.0, lies.1), kinds, &points);
             let Some(any) = whole.limit(reach) else {
                 continue;
             };
@@ -92,8 +92,8 @@ fn what_is_found_whole_is_what_is_found_at_any_reach() {
             assert_eq!(whole.points(), patch.points(), "{round}: {reach}");
             if any {
                 assert_eq!(
-                    (whole.normal, kinds),
-                    (patch.normal, [patch.blended, patch.deep])
+                    ((whole.normal, whole.share), kinds),
+                    ((patch.normal, patch.share), [patch.blended, patch.deep])
                 );
                 compared += 1;
             }
