@@ -138,7 +138,7 @@ spoil!(SpatialInertia: mass moment rotational;);
 spoil!(HuntCrossley: stiffness damping;);
 spoil!(SpeedLine: stall no_load;);
 spoil!(Response: depth force slope load friction;);
-spoil!(Resistance<Vec3>: force slope around slip growth;);
+spoil!(Resistance<Vec3>: force slope around slip;);
 spoil!(PointResponse: weight bend impulse rock rocking tilting lean end;);
 spoil!(PointVelocity: along tilt;);
 spoil!(TurnResponse: impulse normal tangential slip;);

@@ -25,7 +25,7 @@ impl Terms {
         let ContactSet { list, points, .. } = &mut self.contacts;
         for (contact, r) in list.iter_mut().zip(&responses.contacts) {
             let of = &responses.points[contact.points.clone()];
-            contact.stand(&contact.footing_under(points, (r, of)));
+            (contact.center, contact.radius) = contact.center_under(points, (r, of));
         }
     }
 
@@ -164,14 +164,15 @@ impl Terms {
     /// on all bodies about O.
     pub fn add_growth(
         &self,
-        responses: &Responses,
+        (responses, h): (&Responses, f64),
         (growth, part): (&[Growth], usize),
         F: &mut [Vec6],
     ) {
         let contacts = self.contacts.iter().zip(&responses.contacts);
         for ((contact, r), growth) in contacts.zip(growth) {
             if r.slips() {
-                contact.drag(&(r.friction.growth * -growth[part]), F);
+                let along = contact.friction.growth(&r.friction, h);
+                contact.drag(&(along * -growth[part]), F);
             }
         }
     }
@@ -237,12 +238,10 @@ impl Contact {
         if !self.may_lag(r, h) {
             return false;
         }
-        let footing = self.footing_under(points, (r, of));
-        let (center, radius) = (footing.center, footing.radius);
+        let (center, radius) = self.center_under(points, (r, of));
         let W = self.relative(V);
         let u = self.sliding_at((&center, radius), &W);
-        let mut carried = self.rubbing_under(r.load / h);
-        carried.limit = footing.limit;
+        let carried = self.rubbing_under(r.load / h);
         let [before, after] =
             [r.friction.force, carried.respond(self.slid(&u), h).force].map(|f| f * -h);
         let [(force, moment), (other, turned)] = [

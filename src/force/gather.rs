@@ -2,79 +2,59 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::contact::{Contact, Response};
+use super::contact::{Contact, Response, normal_part};
 use super::pairs::Pairs;
 use super::point::{ContactPoint, PointResponse, norm};
 use crate::geometry::pair::MOST_PARTS;
 use crate::kinematics::Kinematics;
-use crate::law::{ElastoPlastic, Face};
+use crate::law::Face;
 use crate::model::Model;
 use crate::spatial::{Vec3, Vec6, across, angular};
 use crate::tree::Tree;
 use crate::tuning::{EVEN_DISC, EVEN_LINE, MIN_CORNERS};
 
-/// Where friction acts.
-pub(super) struct Footing {
-    /// See [`Contact::center`].
-    pub center: Vec3,
-    /// See [`Contact::radius`].
-    pub radius: f64,
-    /// Which forces it can bear there.
-    pub limit: Face,
-}
-
-impl Footing {
-    fn towards(self, way: &Vec3) -> Self {
-        Self {
-            limit: self.limit.towards(way),
-            ..self
-        }
+/// Mean distance of an even pressure from its middle, as a share of that of the points that carry
+/// it, which are its corners: on a regular polygon of `n` corners, with `φ = π/n`,
+///
+/// ```text
+/// ∫∫ r² dr dα/∫∫ r dr dα = R/3 (1 + cos φ ln(sec φ + tan φ)/tan φ)
+/// ```
+///
+/// and half of the half length on a line. Between them it goes with the square of `2 a b/(a² + b²)`
+/// of the root mean squares `a`, `b` of the distances along the principal axes, which for
+/// rectangles is right to 1 % and smooth where the corners come to stand in a line. As many
+/// corners as carry count, `1/Σ load²`, at least four, so that it does not jump where one of them
+/// leaves. A triangle has 0.46 and is given 0.54.
+///
+/// - `loads`: those of the points
+fn even_share(
+    (points, loads): (&[ContactPoint], impl Fn(usize) -> f64),
+    center: &Vec3,
+    normal: &Vec3,
+) -> f64 {
+    if points.len() < 3 {
+        return EVEN_LINE;
     }
-}
-
-/// How the load of a face is spread about its centre: sums over its points, where `x` and `y` are
-/// their distances from it along two directions across the normal.
-#[derive(Default)]
-struct Spread {
-    /// `Σ load²`
-    squares: f64,
-    /// `Σ load (x² + y²)`, m².
-    whole: f64,
-    /// `Σ load (x² − y²)` and `Σ load 2 x y`, m².
-    turned: [f64; 2],
-}
-
-impl Spread {
-    fn add(&mut self, load: f64, [x, y]: [f64; 2]) {
-        self.squares += load * load;
-        self.whole += load * (x * x + y * y);
-        self.turned[0] += load * (x * x - y * y);
-        self.turned[1] += load * 2.0 * x * y;
+    let (mut squares, mut whole, mut turned) = (0.0, 0.0, [0.0; 2]);
+    let first = across(normal);
+    let second = normal.cross(&first);
+    for (i, p) in points.iter().enumerate() {
+        let (load, apart) = (loads(i), p.x - center);
+        let (x, y) = (apart.dot(&first), apart.dot(&second));
+        squares += load * load;
+        whole += load * (x * x + y * y);
+        turned[0] += load * (x * x - y * y);
+        turned[1] += load * 2.0 * x * y;
     }
-
-    /// Mean distance of an even pressure from its middle, as a share of that of the points that
-    /// carry it, which are its corners: on a regular polygon of `n` corners, with `φ = π/n`,
-    ///
-    /// ```text
-    /// ∫∫ r² dr dα/∫∫ r dr dα = R/3 (1 + cos φ ln(sec φ + tan φ)/tan φ)
-    /// ```
-    ///
-    /// and half of the half length on a line. Between them it goes with the square of
-    /// `2 a b/(a² + b²)` of the root mean squares `a`, `b` of the distances along the principal
-    /// axes, which for rectangles is right to 1 % and smooth where the corners come to stand in a
-    /// line. As many corners as carry count, `1/Σ load²`, at least four, so that it does not jump
-    /// where one of them leaves. A triangle has 0.46 and is given 0.54.
-    fn even_share(&self) -> f64 {
-        let (whole, [a, b]) = (self.whole, self.turned);
-        let round = (whole * whole - a * a - b * b) / (whole * whole);
-        if self.squares <= 0.0 || round.is_nan() {
-            return EVEN_LINE;
-        }
-        let corners = (1.0 / self.squares).max(MIN_CORNERS);
-        let (sin, cos) = libm::sincos(std::f64::consts::PI / corners);
-        let regular = (1.0 + cos * cos / sin * libm::log((1.0 + sin) / cos)) / 3.0;
-        EVEN_LINE + round.max(0.0) * (regular - EVEN_LINE)
+    let [a, b] = turned;
+    let round = (whole * whole - a * a - b * b) / (whole * whole);
+    if squares <= 0.0 || round.is_nan() {
+        return EVEN_LINE;
     }
+    let corners = (1.0 / squares).max(MIN_CORNERS);
+    let (sin, cos) = libm::sincos(std::f64::consts::PI / corners);
+    let regular = (1.0 + cos * cos / sin * libm::log((1.0 + sin) / cos)) / 3.0;
+    EVEN_LINE + round.max(0.0) * (regular - EVEN_LINE)
 }
 
 /// Makes the sum of the loads 1; points of which none carries anything share it evenly.
@@ -117,7 +97,7 @@ impl Contact {
             self.expect_load(points, V, h);
         }
         let own = &points[self.points.clone()];
-        self.stand(&self.footing(own, |i| own[i].load));
+        (self.center, self.radius) = self.center_of(own, |i| own[i].load);
     }
 
     /// Finds the shares of the load to come: those of the depths to which the velocities take the
@@ -239,89 +219,83 @@ impl Contact {
         }
     }
 
-    /// Puts friction to where the load is.
+    /// Finds the centre of the load and its mean distance from it.
     pub(crate) fn center_on_load(&mut self, points: &[ContactPoint]) {
         let own = &points[self.points.clone()];
+        (self.center, self.radius) = self.center_of(own, |i| own[i].load);
         let way = *self.friction.limit.way();
-        self.stand(&self.footing(own, |i| own[i].load).towards(&way));
+        self.limit(points, &way);
     }
 
-    /// Takes the way along which friction pulls at the velocity `u` of the start for that of its
-    /// sliding.
-    pub(crate) fn slide_along(&mut self, u: &Vec3) {
-        let ElastoPlastic {
-            stiffness,
-            damping,
-            displacement,
-            limit,
-            ..
-        } = self.friction;
-        let way = displacement * stiffness + self.slid(u) * damping;
-        self.friction.limit = limit.towards(&way);
-    }
-
-    /// Lets friction act there.
-    pub(super) fn stand(&mut self, footing: &Footing) {
-        self.center = footing.center;
-        self.radius = footing.radius;
-        self.friction.limit = footing.limit;
-    }
-
-    /// Where the load is that it has at the end of a step; where it is if it has none.
-    pub(super) fn footing_under(
+    /// The same of the load that it has at the end of a step; as they are where it has none.
+    pub(super) fn center_under(
         &self,
         points: &[ContactPoint],
         (r, of): (&Response, &[PointResponse]),
-    ) -> Footing {
+    ) -> (Vec3, f64) {
         let total: f64 = of.iter().map(|r| r.weight).sum();
         // Depths of round-off may press without having shares.
         if !r.presses() || total <= 0.0 {
-            return Footing {
-                center: self.center,
-                radius: self.radius,
-                limit: self.friction.limit,
-            };
+            return (self.center, self.radius);
         }
-        self.footing(&points[self.points.clone()], |i| of[i].weight / total)
-            .towards(self.friction.limit.way())
+        self.center_of(&points[self.points.clone()], |i| of[i].weight / total)
     }
 
     /// - `loads`: shares of the load of its points `own`
-    fn footing(&self, own: &[ContactPoint], loads: impl Fn(usize) -> f64) -> Footing {
+    fn center_of(&self, own: &[ContactPoint], loads: impl Fn(usize) -> f64) -> (Vec3, f64) {
         let mut center = Vec3::zeros();
         for (i, p) in own.iter().enumerate() {
             center += p.x * loads(i);
         }
-        if let ([p], None) = (own, own.first().and_then(|p| p.rim.as_ref())) {
-            return Footing {
-                center: p.x,
-                radius: 0.0,
-                limit: Face::default(),
-            };
-        }
-        let first = across(&self.normal);
-        let second = self.normal.cross(&first);
-        let (mut spread, mut mean, mut discs) = (Spread::default(), 0.0, [0.0; 2]);
+        let mut radius = 0.0;
+        let even = even_share((own, &loads), &center, &self.normal);
         for (i, p) in own.iter().enumerate() {
-            let (load, apart) = (loads(i), p.x - center);
-            let place = [apart.dot(&first), apart.dot(&second)];
-            mean += load * (place[0] * place[0] + place[1] * place[1]).sqrt();
-            spread.add(load, place);
+            let (_, apart) = normal_part(&self.normal, &(p.x - center));
+            radius += loads(i) * apart.norm() * even;
             if let Some(rim) = &p.rim {
-                discs[0] += load * rim.flatness * rim.radius;
-                discs[1] += load * rim.flatness * rim.radius * rim.radius;
+                radius += loads(i) * EVEN_DISC * rim.radius * rim.flatness;
             }
         }
-        let even = if own.len() < 3 {
-            EVEN_LINE
-        } else {
-            spread.even_share()
-        };
-        Footing {
-            center,
-            radius: mean * even + EVEN_DISC * discs[0],
-            limit: Face::new(&self.normal, (spread.whole + discs[1], spread.turned)),
+        (center, radius)
+    }
+}
+
+impl Contact {
+    /// Finds which forces friction can bear, for sliding along the way in which it pulls at the
+    /// velocity `u` of the start.
+    pub(crate) fn slide_along(&mut self, points: &[ContactPoint], u: &Vec3) {
+        let friction = &self.friction;
+        let pull = friction.displacement * friction.stiffness + self.slid(u) * friction.damping;
+        let (_, way) = normal_part(&self.normal, &pull);
+        self.limit(points, &way.try_normalize(0.0).unwrap_or_default());
+    }
+
+    /// Finds which forces friction can bear, for its load and for sliding along the unit vector
+    /// `way`, or along none.
+    fn limit(&mut self, points: &[ContactPoint], way: &Vec3) {
+        let slides = *way != Vec3::zeros();
+        let first = if slides { *way } else { across(&self.normal) };
+        let second = self.normal.cross(&first);
+        let (mut whole, mut turned) = (0.0, [0.0; 2]);
+        for p in &points[self.points.clone()] {
+            let apart = p.x - self.center;
+            let (x, y) = (apart.dot(&first), apart.dot(&second));
+            whole += p.load * (x * x + y * y);
+            turned[0] += p.load * (x * x - y * y);
+            turned[1] += p.load * 2.0 * x * y;
+            if let Some(rim) = &p.rim {
+                whole += p.load * rim.flatness * rim.radius * rim.radius;
+            }
         }
+        // What is not pulled is no more pulled along one axis than along the other one.
+        if !slides {
+            turned = [0.0, libm::hypot(turned[0], turned[1])];
+        }
+        self.friction.limit = if whole > 0.0 {
+            Face::new((&self.normal, way), turned.map(|x| x / whole))
+        } else {
+            Face::point(way)
+        };
     }
 }
 
@@ -426,15 +400,14 @@ mod tests {
     #[test]
     fn an_even_pressure_has_the_lever_of_its_corners() {
         let share = |places: &[(f64, f64, f64)]| {
-            let middle = |of: fn(&(f64, f64, f64)) -> f64| -> f64 {
-                places.iter().map(|p| p.2 * of(p)).sum()
+            let point = |&(x, y, load): &(f64, f64, f64)| ContactPoint {
+                x: Vec3::new(x, y, 0.0),
+                load,
+                ..ContactPoint::default()
             };
-            let (x, y) = (middle(|p| p.0), middle(|p| p.1));
-            let mut spread = Spread::default();
-            for p in places {
-                spread.add(p.2, [p.0 - x, p.1 - y]);
-            }
-            spread.even_share()
+            let points: Vec<ContactPoint> = places.iter().map(point).collect();
+            let center = points.iter().map(|p| p.x * p.load).sum();
+            even_share((&points, |i| points[i].load), &center, &Vec3::z())
         };
         let polygon = |n: u32| {
             let corner = |i: u32| {

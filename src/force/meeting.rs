@@ -104,12 +104,11 @@ impl Meeting<'_> {
         contact.dissipation = self.dissipation;
         contact.friction = ElastoPlastic {
             stiffness: slope,
-            limit: contact.friction.limit,
             ..ElastoPlastic::default()
         };
         contact.friction.displacement = contact.recall_slip(&stored.displacement);
         contact.carry(load);
-        contact.slide_along(&u);
+        contact.slide_along(points, &u);
         contact.load = load.min(elastic);
         if contact.load > 0.0 {
             let dissipation = contact.damping.dissipation;

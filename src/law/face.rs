@@ -60,8 +60,8 @@
 #![allow(non_snake_case, reason = "the letters of the derivation above")]
 
 use super::limit::{Borne, Limit, Radial};
-use crate::spatial::{Vec3, across};
-use crate::tuning::{EVEN_BETWEEN, EVEN_SPIN, EVEN_TURN};
+use crate::spatial::Vec3;
+use crate::tuning::{EVEN_BETWEEN, EVEN_LEAST, EVEN_SPIN, EVEN_TURN};
 
 #[cfg(test)]
 mod tests;
@@ -72,9 +72,7 @@ mod tests;
 pub struct Face {
     /// Unit vector along its normal; zero for a point.
     normal: Vec3,
-    /// `t cos 2β` and `t sin 2β`, where `β` is the angle of its longer axis with `across(normal)`.
-    stretch: [f64; 2],
-    /// A vector along the sliding that its set is for; zero where there is none.
+    /// The way of sliding that it is for.
     way: Vec3,
     /// `A` and `B`.
     ends: [f64; 2],
@@ -97,32 +95,13 @@ struct Arc {
 }
 
 impl Face {
-    /// Of a load about the normal `normal`, from sums over its points. It has no set until it is
-    /// told the way of sliding, see [`Self::towards`].
+    /// Of a load about the normal `normal`, for sliding along a direction `way`.
     ///
-    /// - `whole`: `Σ |r|²`; `turned`: `Σ (x² − y²)` and `Σ 2 x y`, where `x` and `y` are the
-    ///   components of `r` along `across(normal)` and `normal × across(normal)`
-    pub fn new(normal: &Vec3, (whole, turned): (f64, [f64; 2])) -> Self {
-        if whole <= 0.0 {
-            return Self::default();
-        }
-        Self {
-            normal: *normal,
-            stretch: turned.map(|x| x / whole),
-            ..Self::default()
-        }
-    }
-
-    /// The same with the set for sliding along `way`.
-    #[must_use]
-    pub fn towards(self, way: &Vec3) -> Self {
-        let face = Self { way: *way, ..self };
-        if self.is_point() {
-            return face;
-        }
-        let [x, y] = self.stretch;
-        let t = (x * x + y * y).min(1.0);
-        let q = self.stretch_along(way);
+    /// - `turned`: `Σ (x² − y²)` and `Σ 2 x y` over its points as shares of `Σ (x² + y²)`, where
+    ///   `x` is the distance from their middle along that direction and `y` the one across it
+    pub fn new((normal, way): (&Vec3, &Vec3), turned: [f64; 2]) -> Self {
+        let [q, y] = turned;
+        let t = (q * q + y * y).min(1.0);
         let slide = (17.0 / 15.0 + 0.2 * t) * 0.5 * (1.0 + q);
         let spin = EVEN_SPIN + 0.2 * q + (1.0 + q) * 0.095 * t / (1.25 - t);
         let B = 1.0 - spin;
@@ -146,31 +125,26 @@ impl Face {
             [(A - center[0]) / last, -center[1] / last]
         };
         Self {
+            normal: *normal,
+            way: *way,
             ends: [A, B],
             middle: (center, spin + s),
             borders: [[sin, cos], end],
-            ..face
         }
     }
 
-    /// The way of sliding that the set is for.
+    /// That of a point, which goes on along a way of sliding.
+    pub fn point(way: &Vec3) -> Self {
+        Self {
+            way: *way,
+            ..Self::default()
+        }
+    }
+
+    /// The way of sliding that it is for: a unit vector, or zero.
     #[inline]
     pub fn way(&self) -> &Vec3 {
         &self.way
-    }
-
-    /// `q`.
-    fn stretch_along(&self, way: &Vec3) -> f64 {
-        let first = across(&self.normal);
-        let second = self.normal.cross(&first);
-        let (x, y) = (first.dot(way), second.dot(way));
-        let whole = x * x + y * y;
-        if whole > 0.0 {
-            let [a, b] = self.stretch;
-            (a * ((x * x - y * y) / whole) + b * (2.0 * x * y / whole)).clamp(-1.0, 1.0)
-        } else {
-            0.0
-        }
     }
 
     /// Whether it is that of a point, which is a ball.
@@ -200,6 +174,25 @@ impl Face {
             squared: apart[0] * apart[0] + apart[1] * apart[1],
         }
     }
+
+    /// Derivative with the cap of a force on the edge of the set, of which `share` is that with
+    /// the force that it is nearest to, along the edge: the centres of arcs move, and the
+    /// direction from them, too.
+    pub fn growth(&self, (force, slip): (&Vec3, &Vec3), share: f64, cap: f64) -> Vec3 {
+        if self.is_point() {
+            return *slip;
+        }
+        let n = self.normal.dot(force);
+        let along = force - self.normal * n;
+        let Arc { center, radius, .. } = self.arc([along.norm(), n.abs()], cap);
+        let z = self.normal.dot(slip);
+        let out = slip - self.normal * z;
+        let x = out.norm();
+        let rise = radius + share * (x * center[0] + z.abs() * center[1]);
+        let left = [(1.0 - share) * center[0], (1.0 - share) * center[1]];
+        let along = if x > 0.0 { out * (1.0 / x) } else { out };
+        slip * rise + along * left[0] + self.normal * (left[1] * z.signum())
+    }
 }
 
 impl Limit<Vec3> for Face {
@@ -219,6 +212,10 @@ impl Limit<Vec3> for Face {
         if self.is_point() {
             return Radial.bear(y, cap);
         }
+        let least = EVEN_LEAST * cap;
+        if y.norm_squared() <= least * least {
+            return Borne::all(y);
+        }
         let n = self.normal.dot(&y);
         let along = y - self.normal * n;
         let x = along.norm();
@@ -232,9 +229,6 @@ impl Limit<Vec3> for Face {
         let slip = arc.apart.map(|x| x / distance);
         let [c, r] = [arc.center, [arc.radius; 2]];
         let force = [0, 1].map(|i| cap * (c[i] + r[i] * slip[i]));
-        // `c + r ŝ`, whose direction changes with the cap, too.
-        let rise = arc.radius + share * (slip[0] * c[0] + slip[1] * c[1]);
-        let growth = [0, 1].map(|i| (1.0 - share) * c[i] + rise * slip[i]);
         let (along, around) = if x > 0.0 {
             (along * (1.0 / x), force[0] / x)
         } else {
@@ -247,7 +241,6 @@ impl Limit<Vec3> for Face {
             share,
             around,
             slip: vector(slip),
-            growth: vector(growth),
         }
     }
 

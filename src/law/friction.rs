@@ -21,7 +21,9 @@
 //! Source: Castro et al. 2022 (the force is the gradient of the Moreau envelope of Coulomb's
 //! dissipation); Armstrong-Hélouvry, Dupont & Canudas de Wit 1994 for the Stribeck curve.
 
+use super::face::Face;
 use super::limit::{Limit, Radial, Vector};
+use crate::spatial::Vec3;
 use crate::tuning::ROUND_OFF;
 
 /// A spring–damper with a capped force. Units are those of a force (N, or N·m about an axis) and of
@@ -51,8 +53,6 @@ pub struct Resistance<X> {
     pub around: f64,
     /// Direction in which the element slips and the force does not change; zero while it sticks.
     pub slip: X,
-    /// Derivative of the force with the cap; zero while it sticks.
-    pub growth: X,
 }
 
 impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
@@ -70,18 +70,23 @@ impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
             slope: b * borne.share,
             around: b * borne.around,
             slip: borne.slip,
-            growth: borne.growth,
         }
     }
 
     /// Displacement after a step of `h` seconds that ends with the relative velocity `u`.
     #[inline]
     pub fn next(&self, u: X, h: f64) -> X {
+        self.next_after(&self.respond(u, h), u, h)
+    }
+
+    /// The same where its resistance `r` is known.
+    #[inline]
+    pub fn next_after(&self, r: &Resistance<X>, u: X, h: f64) -> X {
         if self.cap <= 0.0 {
             return X::default();
         }
-        let Resistance { force, slip, .. } = self.respond(u, h);
-        let settled = (force - u * self.damping) / self.stiffness;
+        let slip = r.slip;
+        let settled = (r.force - u * self.damping) / self.stiffness;
         let (before, after) = (slip.dot(&self.displacement), slip.dot(&settled));
         let next = settled + slip * (self.slipped(before, after, h) - after);
         self.limit.clip(next, self.cap / self.stiffness)
@@ -92,8 +97,14 @@ impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
     /// element stuck: then the slip begins where spring and damper give the cap.
     #[inline]
     pub fn sliding(&self, u: X, wound: f64, h: f64) -> f64 {
+        self.sliding_after(&self.respond(u, h), u, wound, h)
+    }
+
+    /// The same where its resistance `r` is known.
+    #[inline]
+    pub fn sliding_after(&self, r: &Resistance<X>, u: X, wound: f64, h: f64) -> f64 {
         let speed = u.dot(&u).sqrt();
-        let Resistance { force, slip, .. } = self.respond(u, h);
+        let Resistance { force, slip, .. } = *r;
         if slip.dot(&slip) <= 0.0 || speed <= 0.0 {
             return 0.0;
         }
@@ -159,6 +170,14 @@ impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
     }
 }
 
+impl ElastoPlastic<Vec3, Face> {
+    /// Derivative with the cap of a force that it gives over `h` seconds while it slips.
+    pub fn growth(&self, r: &Resistance<Vec3>, h: f64) -> Vec3 {
+        let share = r.slope / (self.stiffness * h + self.damping);
+        self.limit.growth((&r.force, &r.slip), share, self.cap)
+    }
+}
+
 impl ElastoPlastic<f64> {
     /// Whether spring and damper give all of the force, but for round-off, that the cap leaves at
     /// the relative velocity `u`.
@@ -204,7 +223,6 @@ pub fn stribeck(rest: f64, sliding: f64, speed: f64, reference: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spatial::Vec3;
 
     #[test]
     fn stribecks_curve_runs_from_rest_to_sliding() {

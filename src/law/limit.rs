@@ -98,8 +98,6 @@ pub struct Borne<X> {
     pub around: f64,
     /// Unit vector from it to the other one, the normal of the set; zero where both are the same.
     pub slip: X,
-    /// Its derivative with the cap.
-    pub growth: X,
 }
 
 impl<X: Vector> Borne<X> {
@@ -111,7 +109,6 @@ impl<X: Vector> Borne<X> {
             share: 1.0,
             around: 1.0,
             slip: X::default(),
-            growth: X::default(),
         }
     }
 }
@@ -135,7 +132,6 @@ impl<X: Vector> Limit<X> for Radial {
                 share: cap * inverse,
                 around: cap * inverse,
                 slip,
-                growth: slip,
             },
         }
     }
