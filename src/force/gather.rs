@@ -7,7 +7,6 @@ use super::pairs::Pairs;
 use super::point::{ContactPoint, PointResponse, norm};
 use crate::geometry::pair::MOST_PARTS;
 use crate::kinematics::Kinematics;
-use crate::law::Face;
 use crate::model::Model;
 use crate::spatial::{Vec3, Vec6, across, angular};
 use crate::tree::Tree;
@@ -96,8 +95,7 @@ impl Contact {
         if self.depth <= 0.0 {
             self.expect_load(points, V, h);
         }
-        let own = &points[self.points.clone()];
-        (self.center, self.radius) = self.center_of(own, |i| own[i].load);
+        self.center_on_load(points);
     }
 
     /// Finds the shares of the load to come: those of the depths to which the velocities take the
@@ -223,8 +221,6 @@ impl Contact {
     pub(crate) fn center_on_load(&mut self, points: &[ContactPoint]) {
         let own = &points[self.points.clone()];
         (self.center, self.radius) = self.center_of(own, |i| own[i].load);
-        let way = *self.friction.limit.way();
-        self.limit(points, &way);
     }
 
     /// The same of the load that it has at the end of a step; as they are where it has none.
@@ -257,45 +253,6 @@ impl Contact {
             }
         }
         (center, radius)
-    }
-}
-
-impl Contact {
-    /// Finds which forces friction can bear, for sliding along the way in which it pulls at the
-    /// velocity `u` of the start.
-    pub(crate) fn slide_along(&mut self, points: &[ContactPoint], u: &Vec3) {
-        let friction = &self.friction;
-        let pull = friction.displacement * friction.stiffness + self.slid(u) * friction.damping;
-        let (_, way) = normal_part(&self.normal, &pull);
-        self.limit(points, &way.try_normalize(0.0).unwrap_or_default());
-    }
-
-    /// Finds which forces friction can bear, for its load and for sliding along the unit vector
-    /// `way`, or along none.
-    fn limit(&mut self, points: &[ContactPoint], way: &Vec3) {
-        let slides = *way != Vec3::zeros();
-        let first = if slides { *way } else { across(&self.normal) };
-        let second = self.normal.cross(&first);
-        let (mut whole, mut turned) = (0.0, [0.0; 2]);
-        for p in &points[self.points.clone()] {
-            let apart = p.x - self.center;
-            let (x, y) = (apart.dot(&first), apart.dot(&second));
-            whole += p.load * (x * x + y * y);
-            turned[0] += p.load * (x * x - y * y);
-            turned[1] += p.load * 2.0 * x * y;
-            if let Some(rim) = &p.rim {
-                whole += p.load * rim.flatness * rim.radius * rim.radius;
-            }
-        }
-        // What is not pulled is no more pulled along one axis than along the other one.
-        if !slides {
-            turned = [0.0, libm::hypot(turned[0], turned[1])];
-        }
-        self.friction.limit = if whole > 0.0 {
-            Face::new((&self.normal, way), turned.map(|x| x / whole))
-        } else {
-            Face::point(way)
-        };
     }
 }
 
