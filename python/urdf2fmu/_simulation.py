@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, SupportsFloat
 
 import numpy as np
 import numpy.typing as npt
@@ -222,7 +222,7 @@ class Simulation:
             values = values if part.kind == "Real" else [int(one) for one in values]
             self._functions.set(self._call, part, values)
 
-    def step(self, duration: float) -> None:
+    def step(self, duration: SupportsFloat) -> None:
         """Simulates so many seconds; inputs keep their values meanwhile.
 
         Raises:

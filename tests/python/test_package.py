@@ -94,13 +94,20 @@ def test_the_environment_runs_its_own_command(fresh, tmp_path):
 def test_types_are_complete(fresh, tmp_path):
     """Of the package that the wheel has installed, and of a program that uses it there."""
     user = tmp_path / "user.py"
-    user.write_text("""import numpy as np
+    user.write_text("""from fractions import Fraction
+import numpy as np
 import urdf2fmu
 path = urdf2fmu.export("a.urdf", config={"robot": {"base": "fixed"}}, package_path=["a", "b"],
                        xacro_arguments={"a": "b"})
 table = urdf2fmu.simulate(path, stop_time=1.0, input={"time": [0.0, 1.0], "x": np.zeros(2)})
 with urdf2fmu.Simulation(path, start_values={"a": 1.0}) as robot:
     robot["b"] = [1.0, 2.0]
+    robot.step(1 / 240)
+    robot.step(1)
+    robot.step(np.float64(0.1))
+    robot.step(np.float32(0.1))
+    robot.step(np.int64(1))
+    robot.step(Fraction(1, 240))
     state: urdf2fmu.State = robot.save()
     names: list[str] = robot.names("c.*", causality="output")
 """)
