@@ -89,9 +89,9 @@ impl Readout {
     ///
     /// - `tree`: that of the model's own parameters
     #[cfg_attr(small, optimize(size))]
-    pub fn new(model: &Model, tree: &Tree) -> Self {
+    pub fn new(model: &Model, tree: &Tree) -> Box<Self> {
         let states = States::of(model, tree);
-        Self {
+        Box::new(Self {
             point: Point::new(model, tree),
             vdot: vec![0.0; model.nv()],
             A: vec![[0.0; 6]; tree.bodies.len()],
@@ -107,7 +107,7 @@ impl Readout {
             named: NamedPairs::new(model),
             derivatives: (Derivatives::new(states.len(), model.nq), false),
             states,
-        }
+        })
     }
 
     /// The state, a parameter or an input has changed.

@@ -40,9 +40,9 @@ pub struct Simulation {
     /// steps.
     tree: Tree,
     /// Scratch of the steps; nothing in it outlives one.
-    stepper: Stepper,
+    stepper: Box<Stepper>,
     /// What has been computed of the state for outputs; forgotten when anything changes.
-    readout: Readout,
+    readout: Box<Readout>,
     /// Model Exchange: the state with quaternions of unit length, which outputs show.
     posed: Option<Box<Posed>>,
     rules: Rules,

@@ -111,6 +111,12 @@ impl<T: Spoil, const N: usize> Spoil for [T; N] {
     }
 }
 
+impl<T: Spoil> Spoil for Box<T> {
+    fn spoil(&mut self) {
+        T::spoil(self);
+    }
+}
+
 impl<T: Spoil> Spoil for Vec<T> {
     fn spoil(&mut self) {
         self.iter_mut().for_each(Spoil::spoil);

@@ -46,8 +46,8 @@ pub struct Stepper {
     /// Where it ends.
     pub(super) there: Point,
     pub(super) implicit: Implicit,
-    pub(super) stages: Stages,
-    pub(super) explicit: Explicit,
+    pub(super) stages: Box<Stages>,
+    pub(super) explicit: Box<Explicit>,
     pub(super) fixed: Fixed,
     pub(super) attempt: Attempt,
     pub(super) closing: Closing,
@@ -71,10 +71,10 @@ crate::spoil::spoil!(Stepper: here there implicit stages explicit fixed attempt 
     there_memory settled pull backup tried;);
 
 impl Stepper {
-    /// Room for a robot.
+    /// Room for a robot. On the heap: hosts call from threads with little stack.
     #[cfg_attr(small, optimize(size))]
-    pub fn new(model: &Model, tree: &Tree) -> Self {
-        Self {
+    pub fn new(model: &Model, tree: &Tree) -> Box<Self> {
+        Box::new(Self {
             here: Point::new(model, tree),
             there: Point::new(model, tree),
             implicit: Implicit::new(model, tree),
@@ -90,7 +90,7 @@ impl Stepper {
             pull: vec![[0.0; 6]; tree.bodies.len()],
             backup: State::new(model),
             tried: 0,
-        }
+        })
     }
 
     /// Takes the trees that `ctx` works on up to exactly `end`.

@@ -111,13 +111,13 @@ fn is_free(ctx: &Context, rates: &Rates, here: &Point, v: &[f64], h: f64) -> boo
 
 impl Explicit {
     /// Room for a robot.
-    pub fn new(model: &Model, tree: &Tree) -> Self {
-        Self {
+    pub fn new(model: &Model, tree: &Tree) -> Box<Self> {
+        Box::new(Self {
             integrator: RungeKutta::new(tree, model.nq),
             end: Kinematics::new(tree),
             contacts: ContactSet::of(model),
             search: Search::new(tree),
-        }
+        })
     }
 
     /// Method and length of the next explicit step: beyond the communication point as long as

@@ -135,11 +135,11 @@ crate::spoil::spoil!(
 
 impl Stages {
     /// Room for a robot.
-    pub fn new(model: &Model, tree: &Tree) -> Self {
+    pub fn new(model: &Model, tree: &Tree) -> Box<Self> {
         let (room, nv) = (model.contact_room(), model.nv());
         // Not clones of one: a clone has no room beyond its length.
         let newton = || Newton::new(tree, room);
-        Self {
+        Box::new(Self {
             middle: Point::new(model, tree),
             terms: [Terms::new(model), Terms::new(model)],
             aside: Terms::new(model),
@@ -162,7 +162,7 @@ impl Stages {
             off: 0.0,
             secants: Vec::with_capacity(room[0]),
             iterations: 0,
-        }
+        })
     }
 
     /// Solves a step of `h` seconds from where `here` stands; tells whether that went well, and no

@@ -238,3 +238,34 @@ void test_two(const char *library, const char *other_resources, const char *othe
     second.FreeInstance(c[1]);
     library_close(second.library);
 }
+
+#ifndef _WIN32
+/* What a worker of a host may have: half of what musl gives a thread. */
+enum { SMALL_STACK = 64 * 1024 };
+
+static void *life(void *result)
+{
+    fmi2FMUstate state = NULL;
+    fmi2Component c = start_any(&fmu, guid, resources);
+    *(unsigned long long *)result = steps_of_any(&fmu, c, 0, 20);
+    CHECK(fmu.GetFMUstate(c, &state) == fmi2OK, "saved");
+    CHECK(fmu.SetFMUstate(c, state) == fmi2OK, "restored");
+    CHECK(fmu.FreeFMUstate(c, &state) == fmi2OK, "freed");
+    fmu.FreeInstance(c);
+    return NULL;
+}
+
+/* A whole life in a thread with little stack has the bits of one in the first thread. */
+void test_stack(void)
+{
+    pthread_t thread;
+    pthread_attr_t small;
+    unsigned long long here = 0, there = 1;
+    life(&here);
+    CHECK(pthread_attr_init(&small) == 0 && pthread_attr_setstacksize(&small, SMALL_STACK) == 0, "stack");
+    CHECK(pthread_create(&thread, &small, life, &there) == 0, "thread");
+    pthread_join(thread, NULL);
+    pthread_attr_destroy(&small);
+    CHECK(here == there, "other bits");
+}
+#endif

@@ -33,6 +33,7 @@ void test_unload(const char *path);
 void test_control_word(void);
 void test_signals(void);
 void test_threads(void);
+void test_stack(void);
 void test_exchange_phases(void);
 void test_exchange(void);
 void test_v3_exchange_phases(void);
@@ -74,6 +75,7 @@ static const struct {
     {"control_word", test_control_word},
 #ifndef _WIN32
     {"signals", test_signals},
+    {"stack", test_stack},
 #endif
     {"threads", test_threads},
     {"exchange_phases", test_exchange_phases},

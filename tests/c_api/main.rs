@@ -309,11 +309,15 @@ fn sources() -> Vec<PathBuf> {
 
 /// The example rover: four driven wheels on the ground.
 fn rover(interface: Interface) -> Model {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/rover.urdf");
-    let description = urdf::read(&file, &ReadOptions::default()).expect("the example can be read");
     let mut settings = Settings::default();
     settings.fmu.interface = interface;
-    assemble::build(&description, &settings)
+    rover_by(&settings)
+}
+
+fn rover_by(settings: &Settings) -> Model {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/rover.urdf");
+    let description = urdf::read(&file, &ReadOptions::default()).expect("the example can be read");
+    assemble::build(&description, settings)
         .expect("the example can be built")
         .model
 }
@@ -484,6 +488,7 @@ runs! {
     the_hosts_control_word_is_kept_and_changes_nothing: "control_word";
     signal_handlers_stay: "signals";
     sixty_four_instances_on_eight_threads_give_the_bits_of_one: "threads";
+    a_thread_of_64_kilobytes_is_enough_for_an_instance: "stack";
     every_function_in_every_phase_of_model_exchange_answers_as_the_table_says: "exchange_phases";
     hostile_calls_of_model_exchange_are_errors_without_effect: "exchange";
     every_function_of_fmi_3_in_every_phase_of_model_exchange_answers_so: "v3_exchange_phases";
@@ -497,6 +502,32 @@ runs! {
     the_importer_is_called_within_steps_and_can_end_them: "v3_updates";
     an_instance_of_fmi_3_that_cannot_be_made_says_why: "v3_instantiate";
     errors_of_fmi_3_are_always_heard_and_wrong_pointers_refused: "v3_logging";
+}
+
+#[test]
+fn a_thread_of_64_kilobytes_is_enough_where_shapes_may_touch_each_other() {
+    let Some(bench) = &*BENCH else { return };
+    assert!(
+        !rover(Interface::Cs).has_pairs(),
+        "the test above is without"
+    );
+    let settings = Settings {
+        self_collision: true,
+        ..Settings::default()
+    };
+    let model = rover_by(&settings);
+    assert!(model.has_pairs());
+    let resources = bench.resources.with_file_name("touching");
+    fs::create_dir_all(&resources).expect("a folder for the test");
+    let text = PreparedModel::new(GUID.into(), model).to_json();
+    let text = text.expect("a model that can be stored");
+    fs::write(resources.join("model.json"), text).expect("a file for the test");
+    let bench = Bench {
+        importer: bench.importer.clone(),
+        library: bench.library,
+        resources,
+    };
+    bench.run(&["stack"]);
 }
 
 #[test]

@@ -42,7 +42,7 @@ pub(crate) struct Instance {
     layout: Layout,
     /// Number of event indicators: asked for at each call that reads them.
     indicators: usize,
-    simulation: Simulation,
+    simulation: Box<Simulation>,
     phase: Phase,
     experiment: Experiment,
     /// Per variable: that it left its range has been logged.
@@ -361,9 +361,10 @@ impl Instance {
     }
 }
 
-/// A simulation of the model, for who integrates.
-fn simulation(model: &Arc<Model>, hash: u64, integrated_by: Interface) -> Simulation {
-    let mut simulation = Simulation::with_hash(Arc::clone(model), hash);
+/// A simulation of the model, for who integrates. On the heap: an instance is handed through many
+/// calls, and hosts make it in threads with little stack.
+fn simulation(model: &Arc<Model>, hash: u64, integrated_by: Interface) -> Box<Simulation> {
+    let mut simulation = Box::new(Simulation::with_hash(Arc::clone(model), hash));
     if integrated_by == Interface::ModelExchange {
         simulation.exchange();
     }

@@ -100,7 +100,7 @@ struct Look {
 
 /// The places of a face or a line.
 struct Looks {
-    deepest: Deepest<Look, MOST_BULGES>,
+    deepest: Deepest<[(f64, Look); MOST_BULGES]>,
     /// How many there are that may have a part.
     count: usize,
     /// The largest bulge, m.

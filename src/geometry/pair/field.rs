@@ -244,7 +244,7 @@ impl OnField<'_, '_> {
     /// - `low`: the lowest point of the shape, but for the rounding of its edges, m
     fn peaks(&mut self, around: f64, low: f64) {
         let (shape, field, reach) = (self.shape, self.field, self.sink.reach);
-        let mut best = Deepest::<Peak, MOST_PEAKS>::new();
+        let mut best = Deepest::<[(f64, Peak); MOST_PEAKS]>::new();
         field.each_peak((shape.p.x, shape.p.y, around), low - reach, |i, j| {
             if field.passes([i, j], &shape.p, shape.solid.reach + reach) {
                 return f64::NEG_INFINITY;

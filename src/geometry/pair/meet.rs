@@ -34,8 +34,8 @@ pub(super) struct Meeting {
 impl Default for Meeting {
     fn default() -> Self {
         Self {
-            upper: Seen::NONE,
-            lower: Seen::NONE,
+            upper: Seen::new(),
+            lower: Seen::new(),
             work: Polygons::NONE,
             flush: false,
             level: 0.0,

@@ -31,7 +31,7 @@ struct OwnPoint {
 /// same one.
 #[derive(Clone, Debug)]
 pub(super) struct OwnPoints {
-    list: [OwnPoint; MOST_CORNERS],
+    list: Box<[OwnPoint]>,
     count: usize,
     normal: Option<Vec3>,
     /// Whether the corners have been found.
@@ -41,7 +41,7 @@ pub(super) struct OwnPoints {
 impl Default for OwnPoints {
     fn default() -> Self {
         Self {
-            list: [OwnPoint::default(); MOST_CORNERS],
+            list: vec![OwnPoint::default(); MOST_CORNERS].into(),
             count: 0,
             normal: None,
             placed: false,

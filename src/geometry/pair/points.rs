@@ -80,14 +80,14 @@ pub(super) fn point(x: Vec3, depth: f64, share: f64) -> PatchPoint {
 /// Points that are being found.
 #[derive(Clone, Debug)]
 pub(super) struct Points {
-    at: [PatchPoint; MOST_POINTS],
+    at: Box<[PatchPoint]>,
     count: usize,
 }
 
 impl Default for Points {
     fn default() -> Self {
         Self {
-            at: [PatchPoint::default(); MOST_POINTS],
+            at: vec![PatchPoint::default(); MOST_POINTS].into(),
             count: 0,
         }
     }

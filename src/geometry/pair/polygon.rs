@@ -360,7 +360,7 @@ mod tests {
             let poses = [0, 1].map(|_| at(random.vector(0.02), any_rotation(&mut random)));
             let [a, b] = [0, 1].map(|i| Placed::new(&solids[i], &poses[i], &Vec3::zeros()));
             let frame = Frame::new(random.unit());
-            let (mut upper, mut lower, mut work) = (Seen::NONE, Seen::NONE, Polygons::NONE);
+            let (mut upper, mut lower, mut work) = (Seen::new(), Seen::new(), Polygons::NONE);
             upper.look(&a, &frame);
             lower.look(&b, &frame);
             upper.face(&a, &frame, -1.0, f64::INFINITY);

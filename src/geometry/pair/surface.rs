@@ -57,7 +57,7 @@ struct OnFacet {
 /// Memory of a query.
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
-    found: Deepest<OnFacet, MOST_FOUND>,
+    found: Deepest<Box<[(f64, OnFacet)]>>,
     /// The points of the shape.
     own: OwnPoints,
     /// Those on a crest.
@@ -67,7 +67,7 @@ pub(super) struct Scratch {
 impl Default for Scratch {
     fn default() -> Self {
         Self {
-            found: Deepest::new(),
+            found: Deepest::with_room(MOST_FOUND),
             own: OwnPoints::default(),
             points: Points::default(),
         }

@@ -84,9 +84,9 @@ impl Front {
 /// A shape with faces, as seen.
 #[derive(Clone, Debug)]
 pub(super) struct Seen {
-    corners: [Vec3; MOST_CORNERS],
+    corners: Box<[Vec3]>,
     count: usize,
-    fronts: [Front; MOST_FRONTS],
+    fronts: Box<[Front]>,
     front_count: usize,
     /// Least and greatest height of a corner, m.
     pub(super) heights: (f64, f64),
@@ -132,21 +132,25 @@ impl Disc {
 }
 
 impl Seen {
-    pub(super) const NONE: Self = Self {
-        corners: [Vec3::new(0.0, 0.0, 0.0); MOST_CORNERS],
-        count: 0,
-        fronts: [Front {
+    /// Room for the largest solid.
+    pub(super) fn new() -> Self {
+        let front = Front {
             index: 0,
             h0: 0.0,
             slope: [0.0; 2],
             tilt: 0.0,
             low: [0.0; 2],
             high: [0.0; 2],
-        }; MOST_FRONTS],
-        front_count: 0,
-        heights: (0.0, 0.0),
-        discs: None,
-    };
+        };
+        Self {
+            corners: vec![Vec3::zeros(); MOST_CORNERS].into(),
+            count: 0,
+            fronts: vec![front; MOST_FRONTS].into(),
+            front_count: 0,
+            heights: (0.0, 0.0),
+            discs: None,
+        }
+    }
 
     /// Looks at the corners of a solid.
     pub(super) fn look(&mut self, placed: &Placed, frame: &Frame) {
