@@ -14,6 +14,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU8, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
+use std::time::Duration;
 
 /// Bit `1 << n` is set where stream `n` (1 output, 2 error) was closed.
 static CLOSED: AtomicU8 = AtomicU8::new(0);
@@ -56,6 +57,13 @@ static ENDED: AtomicBool = AtomicBool::new(false);
 
 /// Whether somebody asks [`ended`] and finishes then.
 static FINISHES: AtomicBool = AtomicBool::new(false);
+
+/// Whether files are being finished, which may take as long as it takes.
+static FINISHING: AtomicBool = AtomicBool::new(false);
+
+/// How long after SIGTERM or SIGHUP somebody has to ask [`ended`]. Who sends these sends one and
+/// waits, and an FMU may never come back from a call; who presses Ctrl-C can do so again.
+const GRACE: Duration = Duration::from_secs(1);
 
 /// The end of a pipe by which the handler wakes the thread that removes; -1 where there is none.
 static WAKES: AtomicI32 = AtomicI32::new(-1);
@@ -118,8 +126,15 @@ fn remove_at_signal(pipe: libc::c_int) {
     let mut byte = [0; size_of::<libc::c_int>()];
     // SAFETY: reads at most so many bytes as there are.
     while unsafe { libc::read(pipe, byte.as_mut_ptr().cast(), byte.len()) } > 0 {
+        let signal = libc::c_int::from_ne_bytes(byte);
         if FINISHES.load(Ordering::Relaxed) {
-            continue;
+            if signal == libc::SIGINT {
+                continue;
+            }
+            std::thread::sleep(GRACE);
+            if FINISHING.load(Ordering::Relaxed) {
+                continue;
+            }
         }
         let passing = PASSING.lock().unwrap_or_else(PoisonError::into_inner);
         for folder in &*passing {
@@ -132,7 +147,7 @@ fn remove_at_signal(pipe: libc::c_int) {
         }
         // SAFETY: the handler has set the action of this signal to the usual one, which ends the
         // process.
-        unsafe { libc::raise(libc::c_int::from_ne_bytes(byte)) };
+        unsafe { libc::raise(signal) };
     }
 }
 
@@ -158,9 +173,18 @@ fn handle() {
     }
 }
 
-/// Whether the user wants the process to end.
+/// Whether the user wants the process to end; who learns it finishes the files.
 pub fn ended() -> bool {
-    ENDED.load(Ordering::Relaxed)
+    let ended = ENDED.load(Ordering::Relaxed);
+    if ended {
+        finish();
+    }
+    ended
+}
+
+/// From now on a signal lets the process finish its files, however long that takes.
+pub fn finish() {
+    FINISHING.store(true, Ordering::Relaxed);
 }
 
 /// Columns of the terminal at standard error; `None` where it does not say.

@@ -1,6 +1,7 @@
 //! How `simulate` ends where an FMU of another program asks for it, or returns early from a step.
 
 use super::*;
+use std::time::{Duration, Instant};
 
 /// FMUs of FMI 3.0 whose state grows by 1 in a second. By steps they take at most 0.06 s at once,
 /// and both want to end at 0.3125 s. The end of the simulation is written to a file.
@@ -8,6 +9,8 @@ const SOURCE: &str = r#"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
 typedef void *I;
 typedef const unsigned *R;
 static double now, x;
@@ -32,6 +35,7 @@ int fmi3SetInt32(I i, R r, size_t n, const int *v, size_t nv) { return 0; }
 int fmi3SetBoolean(I i, R r, size_t n, const bool *v, size_t nv) { return 0; }
 int fmi3DoStep(I i, double t, double h, bool s, bool *event, bool *end, bool *early, double *last)
 {
+    while (getenv("HANGS")) sleep(1);
     *event = false;
     *early = h > 0.06;
     now = *early ? t + 0.06 : t + h;
@@ -177,4 +181,41 @@ fn an_fmu_that_asks_for_the_end_is_terminated_and_its_last_values_are_written() 
             "{version} {interface}"
         );
     }
+}
+
+/// `timeout`, systemd and servers that run tests send SIGTERM once.
+#[test]
+fn one_sigterm_ends_a_run_whose_fmu_does_not_come_back_from_a_step() {
+    use std::os::unix::process::ExitStatusExt;
+    let folder = tempfile::tempdir().unwrap();
+    let Some((fmu, _)) = foreign(folder.path(), 3, "CoSimulation") else {
+        return;
+    };
+    let temporary = folder.path().join("temporary");
+    fs::create_dir(&temporary).unwrap();
+    let mut running = Command::new(env!("CARGO_BIN_EXE_urdf2fmu"))
+        .arg("simulate")
+        .arg(&fmu)
+        .env("HANGS", "1")
+        .env("TMPDIR", &temporary)
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    // The step begins soon after the FMU has been unpacked.
+    std::thread::sleep(Duration::from_secs(2));
+    assert!(running.try_wait().unwrap().is_none(), "it does not hang");
+    let sent = Command::new("kill").arg(running.id().to_string()).status();
+    assert!(sent.unwrap().success());
+    let since = Instant::now();
+    let mut status = None;
+    while status.is_none() && since.elapsed() < Duration::from_secs(10) {
+        std::thread::sleep(Duration::from_millis(20));
+        status = running.try_wait().unwrap();
+    }
+    if status.is_none() {
+        running.kill().unwrap();
+    }
+    assert_eq!(status.expect("it ends").signal(), Some(15));
+    assert_eq!(fs::read_dir(&temporary).unwrap().count(), 0, "left behind");
 }

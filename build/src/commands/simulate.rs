@@ -109,6 +109,8 @@ fn run(args: &Simulate, unpacked: &Path) -> Result<Outcome, CliError> {
         progress.at(time, times.start, times.stop);
         !see::ended()
     });
+    #[cfg(unix)]
+    crate::process::finish();
     progress.clear();
     let outcome = outcome?;
     if args.set_input_derivatives && !outcome.slopes && !args.quiet {
