@@ -76,7 +76,7 @@ impl Among<'_> {
 }
 
 impl Among<'_> {
-    /// Whether anything that comes near a ball carries the first shape together with the second one.
+    /// Whether anything near a ball carries the first shape together with the second one.
     pub(super) fn carry_near(&self, (center, radius): (&Vec3, f64)) -> bool {
         let ball = (&(center + self.origin), radius);
         self.others.carries() && self.others.any_that_carries(ball, &mut |_, _| true)
