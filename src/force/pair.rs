@@ -81,19 +81,18 @@ impl<'a> Pair<'a> {
         let origin = self.origin();
         let mut stands = |place: usize| {
             let other = &tree.contact.colliders[place];
-            let (X, from) = (&kin.X[other.body], kin.origins[other.tree] - origin);
-            let p = X.point(&other.X.p) + from;
             let pair = [place.min(above), place.max(above)];
-            // Most are far away: this is asked first.
-            if (p - center).norm() > radius + other.radius
-                || place == beside
-                || !tree.contact.may_touch(pair)
-            {
+            let Some(solid) = other.solid.as_deref() else {
+                return false;
+            };
+            if place == beside || !tree.contact.may_touch(pair) {
                 return false;
             }
+            let (X, from) = (&kin.X[other.body], kin.origins[other.tree] - origin);
+            let p = X.point(&other.X.p) + from;
             let R = X.R * other.X.R;
-            let solid = other.solid.as_deref();
-            solid.is_some_and(|solid| is(other, solid, &Pose { R, p }))
+            let near = (p - center).norm() <= radius + other.radius;
+            near && is(other, solid, &Pose { R, p })
         };
         let x = center.x + origin.x;
         tree.worked_movers().any(|(place, _)| stands(place)) || {
