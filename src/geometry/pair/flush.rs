@@ -9,7 +9,7 @@
 //! The same holds for a plate whose top is level with the ground, and for two things whose tops are
 //! level with a gap between them, as long as a part of a face or of the flat end of what slides
 //! lies on the one where it comes to the other one. What rolls comes down into a gap, and meets its
-//! edge. Of a cylinder that stands there the wall is the one at which the direction leads out of it.
+//! edge. Of a cylinder that stands there the wall is that at which the direction leads out of it.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
