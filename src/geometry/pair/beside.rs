@@ -4,11 +4,17 @@
 
 use crate::geometry::field::Field;
 use crate::geometry::surface::Surface;
-use crate::spatial::{Pose, Vec3};
+use crate::spatial::{Mat3, Pose, Vec3};
 use std::sync::Arc;
 
 /// Outward unit normal of a flat face, and how far it is from the origin along that, m.
 pub type Face = (Vec3, f64);
+
+/// A face in the axes in which its solid stands with the rotation `R` at `p`.
+pub(super) fn face_at((n, height): Face, R: &Mat3, p: &Vec3) -> Face {
+    let n = R * n;
+    (n, height + n.dot(p))
+}
 
 /// What stands beside a solid, in the axes of that.
 #[derive(Clone, Debug)]

@@ -13,7 +13,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::beside::{Across, Beside, Face};
+use super::beside::{Across, Beside, Face, face_at};
 use super::core::{Core, Solid};
 use super::lowest::{lowest_of, places, skin};
 use super::nearest::Apart;
@@ -26,10 +26,7 @@ use crate::tuning::{EVEN_EDGE, LEAN, SEAM, STRAIGHT};
 impl Solid {
     /// Its faces where it stands at `X`, and its corners.
     fn placed_at(&self, X: &Pose) -> (Vec<Face>, Vec<Vec3>) {
-        let faces = self.faces().map(|(n, height)| {
-            let n = X.R * n;
-            (n, height + n.dot(&X.p))
-        });
+        let faces = self.faces().map(|face| face_at(face, &X.R, &X.p));
         let corners = self.mesh.corners.iter().map(|x| X.point(x));
         (faces.collect(), corners.collect())
     }
@@ -88,10 +85,7 @@ impl Solid {
             let Some((level, _)) = faces.iter().enumerate().find(is_level) else {
                 continue;
             };
-            let sides = other.sides(level).map(|(n, height)| {
-                let n = X.R * n;
-                (n, height + n.dot(&X.p))
-            });
+            let sides = other.sides(level).map(|face| face_at(face, &X.R, &X.p));
             across.push(Across {
                 up: (up, height),
                 sides: sides.collect(),

@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::beside::Face;
+use super::beside::{Face, face_at};
 use super::core::{Core, Solid};
 use crate::spatial::{Mat3, Pose, Vec3};
 
@@ -45,9 +45,8 @@ impl<'a> Placed<'a> {
     }
 
     /// A face of its own axes in those of the poses.
-    pub(super) fn face(&self, (n, height): Face) -> Face {
-        let n = self.R * n;
-        (n, height + n.dot(&self.p))
+    pub(super) fn face(&self, face: Face) -> Face {
+        face_at(face, &self.R, &self.p)
     }
 
     /// See [`Solid::sides`].

@@ -91,7 +91,8 @@ impl Polygon {
         self.integral(|_| 0.0).0
     }
 
-    /// The same of what lies within an outline, counter-clockwise; `scratch` is overwritten.
+    /// Area, m², as seen, of what lies within an outline, counter-clockwise; `scratch` is
+    /// overwritten.
     pub(super) fn area_within(
         &self,
         outline: impl Iterator<Item = Vec3> + Clone,

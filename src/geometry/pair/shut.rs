@@ -193,13 +193,12 @@ impl<'a> On<'a> {
                     return false;
                 };
                 let there = Placed::new(other, X, origin);
+                let top = (out, out.dot(&p.world(x)) - over);
                 let is_shut = other.holds(&seen(&beyond), slack)
-                    || other.has_faces()
-                        && self.lies_on((out, out.dot(&p.world(x)) - over), there.sides(level));
+                    || other.has_faces() && self.lies_on(top, there.sides(level));
                 if is_shut {
                     let least = lowest_of(places(self.o, &out), &out) - skin(self.o);
-                    let rise = least - (out.dot(&p.world(x)) - over);
-                    self.rise.set(self.rise.get().min(rise));
+                    self.rise.set(self.rise.get().min(least - top.1));
                 }
                 is_shut
             })
@@ -258,7 +257,7 @@ impl Solid {
         })
     }
 
-    /// The same, and of a cylinder the wall at which a direction leads out of it.
+    /// All flat faces, and of a cylinder the wall at which a direction leads out of it.
     pub(super) fn walls(&self, out: &Vec3) -> impl Iterator<Item = Face> + '_ {
         let side = Vec3::new(out.x, out.y, 0.0).try_normalize(f64::MIN_POSITIVE);
         let round = self.round.filter(|round| round.flat);
