@@ -20,7 +20,6 @@ mod closure;
 mod closures;
 mod driven;
 mod elimination;
-mod flush;
 mod island;
 mod keeping;
 mod kept;
@@ -352,7 +351,9 @@ impl Tree {
         if others {
             self.contact.pairs = self.pairs(model);
             self.join_terrain(model, bases);
-            self.join_solids();
+            let ground = self.contact.has_ground;
+            let plane = || Arc::new(Solid::new(&Shape::Plane, 0.0));
+            self.contact.ground_solid = ground.then(plane);
         }
     }
 

@@ -276,31 +276,24 @@ impl Others for Pair<'_> {
         &self,
         first: bool,
         ball: (&Vec3, f64),
-        is: &mut dyn FnMut(&Solid, &Pose) -> bool,
+        is: &mut dyn FnMut(&Solid, &Pose, bool) -> bool,
     ) -> bool {
         let [beside, above] = [usize::from(!first), usize::from(first)].map(|i| self.places[i]);
         let own = &self.tree.contact.colliders[beside];
-        let on_terrain = own.solid.as_ref().is_some_and(|solid| solid.is_terrain());
-        // Boxes and hulls know what stands still beside them.
-        let apart = |other: &TreeCollider| {
-            own.body != other.body && (own.moves || other.moves) || on_terrain
-        };
+        let stays = |other: &TreeCollider| own.body == other.body || !own.moves && !other.moves;
         let mut is_beside =
-            |other: &TreeCollider, solid: &Solid, X: &Pose| apart(other) && is(solid, X);
-        self.any_near([beside, above], ball, &mut is_beside)
-            || own.moves
-                && self
-                    .tree
-                    .contact
-                    .ground_solid
-                    .as_ref()
-                    .is_some_and(|ground| {
-                        let there = Pose {
-                            p: -self.origin(),
-                            ..Pose::IDENTITY
-                        };
-                        is(ground, &there)
-                    })
+            |other: &TreeCollider, solid: &Solid, X: &Pose| is(solid, X, stays(other));
+        if self.any_near([beside, above], ball, &mut is_beside) {
+            return true;
+        }
+        let ground = self.tree.contact.ground_solid.as_deref();
+        ground.is_some_and(|ground| {
+            let there = Pose {
+                p: -self.origin(),
+                ..Pose::IDENTITY
+            };
+            is(ground, &there, !own.moves)
+        })
     }
 
     fn carries(&self) -> bool {

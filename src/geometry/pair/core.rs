@@ -11,7 +11,6 @@
 use super::super::faces::Faces;
 use super::super::hull::{Simplices, hull};
 use super::super::{MOST_CORNERS, Shape, bounded_hull};
-use super::beside::{Across, Beside};
 use super::corners::Corners;
 use super::mesh::{Bar, Mesh, box_mesh, ends, hull_mesh};
 use crate::geometry::field::Field;
@@ -89,10 +88,6 @@ pub struct Solid {
     pub(super) core_corners: Vec<Vec3>,
     /// The edges of the core of a box or a hull, in its own axes.
     pub(super) bars: Vec<Bar>,
-    /// What stands against it, see `flush.rs`.
-    pub(super) beside: Vec<Beside>,
-    /// What goes on as high as it behind a gap, see there.
-    pub(super) across: Vec<Across>,
 }
 
 impl Solid {
@@ -117,8 +112,6 @@ impl Solid {
             shares: Faces::default(),
             core_corners: Vec::new(),
             bars: Vec::new(),
-            beside: Vec::new(),
-            across: Vec::new(),
         };
         match shape {
             Shape::Sphere { radius } => of(Core::Point, *radius, *radius),
@@ -252,8 +245,6 @@ impl Solid {
             shares: Faces::default(),
             core_corners: Vec::new(),
             bars: Vec::new(),
-            beside: Vec::new(),
-            across: Vec::new(),
         }
     }
 

@@ -13,87 +13,16 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::beside::{Across, Beside, Face, face_at};
-use super::core::{Core, Solid};
+use super::core::Solid;
 use super::lowest::{lowest_of, places, skin};
 use super::nearest::Apart;
-use super::placed::{Placed, separation};
+use super::placed::{Face, Placed, separation};
 use super::points::{Points, point};
 use super::shut::{Among, On};
-use crate::spatial::{Pose, Vec3};
+use crate::spatial::Vec3;
 use crate::tuning::{EVEN_EDGE, LEAN, SEAM, STRAIGHT};
 
 impl Solid {
-    /// Its faces where it stands at `X`, and its corners.
-    fn placed_at(&self, X: &Pose) -> (Vec<Face>, Vec<Vec3>) {
-        let faces = self.faces().map(|face| face_at(face, &X.R, &X.p));
-        let corners = self.mesh.corners.iter().map(|x| X.point(x));
-        (faces.collect(), corners.collect())
-    }
-
-    /// What of `other`, which stands at `X` in its own axes, may cover its walls; none where these
-    /// are apart.
-    pub fn touched_by(&self, other: &Self, X: &Pose) -> Option<Beside> {
-        if !self.is_polyhedron() {
-            return None;
-        }
-        let is_apart =
-            |(n, height): Face, corners: &[Vec3]| corners.iter().all(|x| n.dot(x) > height + SEAM);
-        if matches!(other.core, Core::HalfSpace) {
-            let n: Vec3 = X.R.column(2).into();
-            let face = (n, n.dot(&X.p));
-            return (!is_apart(face, &self.mesh.corners)).then(|| Beside::Faces(vec![face]));
-        }
-        let (there, around) = (X.inverse().p, self.reach + SEAM);
-        match &other.core {
-            Core::Field(field) => {
-                let near = there.z - around <= field.highest(there.x, there.y, around);
-                return near.then(|| Beside::Field(field.clone(), *X));
-            }
-            Core::Surface(surface) => {
-                let near = surface.is_near(&there, around);
-                return near.then(|| Beside::Surface(surface.clone(), *X));
-            }
-            _ => {}
-        }
-        let near = X.p.norm() <= self.reach + other.reach + SEAM;
-        if !near || !other.is_polyhedron() {
-            return None;
-        }
-        let (faces, there) = other.placed_at(X);
-        let apart = faces.iter().any(|face| is_apart(*face, &self.mesh.corners))
-            || self.faces().any(|face| is_apart(face, &there));
-        (!apart).then_some(Beside::Faces(faces))
-    }
-
-    /// Where `other`, which stands at `X` in its own axes, has a face that is level with one of its
-    /// own.
-    ///
-    /// - `widest`: greatest distance of a place of what may lie on both from its origin, m
-    pub fn across_to(&self, other: &Self, X: &Pose, widest: f64) -> Vec<Across> {
-        let mut across = Vec::new();
-        let near = X.p.norm() <= self.reach + other.reach + 2.0 * widest;
-        if !near || !self.has_faces() || !other.has_faces() {
-            return across;
-        }
-        let (faces, there) = other.placed_at(X);
-        for (up, height) in self.faces() {
-            let is_level = |(i, (n, _)): &(usize, &Face)| {
-                let high = |x: &usize| (up.dot(&there[*x]) - height).abs() <= SEAM;
-                (n - up).norm() < EVEN_EDGE && other.mesh.face(*i).iter().all(high)
-            };
-            let Some((level, _)) = faces.iter().enumerate().find(is_level) else {
-                continue;
-            };
-            let sides = other.sides(level).map(|face| face_at(face, &X.R, &X.p));
-            across.push(Across {
-                up: (up, height),
-                sides: sides.collect(),
-            });
-        }
-        across
-    }
-
     /// The part of a segment, from 0 to 1, that lies on one of its faces, with about that normal.
     pub fn carried(&self, [a, b]: [Vec3; 2], normal: &Vec3) -> Option<[f64; 2]> {
         if !self.is_polyhedron() {
@@ -116,15 +45,6 @@ impl Solid {
             }
         }
         (part[0] < part[1]).then_some(part)
-    }
-
-    /// The same with others beside it and across gaps; nothing where it has these already.
-    pub fn with_beside(&self, beside: Vec<Beside>, across: Vec<Across>) -> Option<Self> {
-        (self.beside != beside || self.across != across).then(|| Self {
-            beside,
-            across,
-            ..self.clone()
-        })
     }
 }
 

@@ -34,7 +34,6 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-mod beside;
 mod bulge;
 mod core;
 mod corners;
@@ -69,7 +68,6 @@ pub(crate) mod tests;
 mod trace;
 mod view;
 
-pub use self::beside::Beside;
 pub use self::core::Solid;
 pub use self::lifts::Lifted;
 pub use self::nearby::Nearby;

@@ -2,9 +2,11 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::beside::{Face, face_at};
 use super::core::{Core, Solid};
 use crate::spatial::{Mat3, Pose, Vec3};
+
+/// Outward unit normal of a flat face, and how far it is from the origin along that, m.
+pub(super) type Face = (Vec3, f64);
 
 /// A solid in a place.
 #[derive(Clone, Copy, Debug)]
@@ -45,8 +47,9 @@ impl<'a> Placed<'a> {
     }
 
     /// A face of its own axes in those of the poses.
-    pub(super) fn face(&self, face: Face) -> Face {
-        face_at(face, &self.R, &self.p)
+    pub(super) fn face(&self, (n, height): Face) -> Face {
+        let n = self.R * n;
+        (n, height + n.dot(&self.p))
     }
 
     /// See [`Solid::sides`].

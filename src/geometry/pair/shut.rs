@@ -11,26 +11,26 @@
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
-use super::beside::{Face, is_in, is_on};
 use super::core::{Core, Solid};
 use super::lowest::{lowest_of, places, skin};
-use super::placed::Placed;
+use super::placed::{Face, Placed};
 use super::polygon::Polygon;
 use crate::spatial::{Pose, Vec3};
-use crate::tuning::{EVEN_EDGE, SEAM, STRAIGHT};
+use crate::tuning::{EVEN_EDGE, LEAN, SEAM, STRAIGHT};
 use std::cell::Cell;
 
 /// What else stands there where two shapes meet, and does not move with either of them.
 pub trait Others {
-    /// Whether `is` says yes of any that comes near a ball, in the frame of both shapes: a solid
-    /// and where it stands. It carries what it touches together with the first or the second one.
+    /// Whether `is` says yes of any that comes near a ball, in the frame of both shapes: a solid,
+    /// where it stands, and whether it never moves against the one that it stands beside. It carries
+    /// what it touches together with the first or the second one.
     ///
     /// - `first`: whether it stands beside the first one
     fn any(
         &self,
         first: bool,
         ball: (&Vec3, f64),
-        is: &mut dyn FnMut(&Solid, &Pose) -> bool,
+        is: &mut dyn FnMut(&Solid, &Pose, bool) -> bool,
     ) -> bool;
 
     /// Whether the first one yields, and the second one, on which it lies, does not.
@@ -62,14 +62,14 @@ impl Among<'_> {
     /// See [`Sink::goes_on`](super::sink::Sink::goes_on), of the second one by rank.
     pub(super) fn go_on(&self, x: &Vec3, sides: &[Vec3; 2]) -> bool {
         let (x, slack) = (x + self.origin, self.others.level());
-        let ball = (&x, slack + 2.0 * SEAM);
-        self.others.any(self.swapped, ball, &mut |other, X| {
+        let ball = (&x, 2.0 * slack);
+        self.others.any(self.swapped, ball, &mut |other, X, _| {
             let back = X.inverse();
             let seen = back.point(&x);
             [[0, 1], [1, 0]].into_iter().any(|[up, wall]| {
                 let [up, wall] = [up, wall].map(|i| back.R * sides[i]);
                 other.level_face(&seen, &up, slack).is_some()
-                    && other.holds(&(seen + wall * (2.0 * SEAM)), slack)
+                    && other.holds(&(seen + (wall - up) * slack), slack)
             })
         })
     }
@@ -148,27 +148,12 @@ impl<'a> On<'a> {
 
     /// Whether nothing stands beside the solid.
     pub(super) fn is_alone(&self) -> bool {
-        let solid = self.p.solid;
-        self.others.is_none() && solid.beside.is_empty() && solid.across.is_empty()
+        self.others.is_none()
     }
 
     /// Whether a wall is shut beside the place `x` of the solid, where the direction `d` leads out
     /// of it; both in its axes.
     pub(super) fn is_closed(&self, wall: Face, x: &Vec3, d: &Vec3) -> bool {
-        let solid = self.p.solid;
-        let beyond = beyond(wall, x);
-        let (mut beside, mut across) = (solid.beside.iter(), solid.across.iter());
-        beside.any(|other| other.holds(&beyond, SEAM))
-            || across.any(|a| {
-                let sides = a.sides.iter().map(|face| self.p.face(*face));
-                is_edge((&a.up.0, d), wall) && self.lies_on(self.p.face(a.up), sides)
-            })
-            || self.is_level_with_others(wall, x, d)
-    }
-
-    /// Whether something that moves against the solid stands against a wall of it, or behind a gap
-    /// on which the other one lies, and is level with a face that `d` leads out of.
-    fn is_level_with_others(&self, wall: Face, x: &Vec3, d: &Vec3) -> bool {
         let Some(Among {
             others,
             origin,
@@ -179,13 +164,17 @@ impl<'a> On<'a> {
         };
         let (p, slack) = (self.p, others.level());
         let wide = 2.0 * self.o.solid.reach;
-        let ball = (&(p.world(x) + origin), wide + 2.0 * SEAM);
-        let beyond = beyond(wall, x);
+        let ball = (&(p.world(x) + origin), wide + 2.0 * slack);
+        let beyond = p.solid.beyond(wall, (x, d), slack);
         let is_up = |(n, _): &Face| is_edge((n, d), wall);
-        others.any(self.first != *swapped, ball, &mut |other, X| {
+        others.any(self.first != *swapped, ball, &mut |other, X, stays| {
             // From the axes of the solid to those of the other one.
             let back = X.inverse();
             let seen = |x: &Vec3| back.point(&(p.world(x) + origin));
+            let covers = other.holds(&seen(&beyond), slack);
+            if covers && stays {
+                return true;
+            }
             p.solid.faces().filter(is_up).any(|(up, _)| {
                 let out = p.R * up;
                 let found = other.level_face(&seen(x), &(back.R * out), slack);
@@ -194,9 +183,8 @@ impl<'a> On<'a> {
                 };
                 let there = Placed::new(other, X, origin);
                 let top = (out, out.dot(&p.world(x)) - over);
-                let is_shut = other.holds(&seen(&beyond), slack)
-                    || other.has_faces() && self.lies_on(top, there.sides(level));
-                if is_shut {
+                let is_shut = covers || other.has_faces() && self.lies_on(top, there.sides(level));
+                if is_shut && !stays {
                     let least = lowest_of(places(self.o, &out), &out) - skin(self.o);
                     self.rise.set(self.rise.get().min(least - top.1));
                 }
@@ -241,11 +229,6 @@ fn is_edge((up, d): (&Vec3, &Vec3), wall: Face) -> bool {
     up.dot(d) > STRAIGHT && up.dot(&wall.0) < EVEN_EDGE
 }
 
-/// A place just beyond a wall.
-fn beyond((n, height): Face, x: &Vec3) -> Vec3 {
-    x + n * (height - n.dot(x) + 2.0 * SEAM)
-}
-
 /// What is asked of a solid beside another one, in its own axes.
 impl Solid {
     /// Flat faces of a polyhedron, and the ends of a cylinder.
@@ -286,14 +269,31 @@ impl Solid {
         matches!(self.core, Core::Box { .. } | Core::Corners(_)) && self.has_faces()
     }
 
-    /// Whether a place is inside, or not farther from it than `slack`, m. Terrain holds what is
-    /// near its surface.
-    pub(super) fn holds(&self, x: &Vec3, slack: f64) -> bool {
+    /// A place beyond a wall, and within all other faces that the direction `d` leads out of: by so
+    /// much as things that are level with each other may be apart, or one of them higher. `x`: the
+    /// place on the edge between them.
+    fn beyond(&self, (n, height): Face, (x, d): (&Vec3, &Vec3), slack: f64) -> Vec3 {
+        let mut x = *x;
+        for (other, height) in self.walls(d) {
+            if other.dot(d) > LEAN && (other - n).norm() > EVEN_EDGE {
+                x -= other * (other.dot(&x) - (height - slack)).max(0.0);
+            }
+        }
+        x + n * (height + slack - n.dot(&x))
+    }
+
+    /// Whether a place is inside. Terrain of triangles holds what is no deeper than `deep` behind
+    /// them, m.
+    fn holds(&self, x: &Vec3, deep: f64) -> bool {
         match &self.core {
-            Core::HalfSpace => x.z <= slack,
-            Core::Field(field) => is_in(field, x, slack),
-            Core::Surface(surface) => is_on(surface, x, slack),
-            _ => self.is_polyhedron() && self.faces().all(|(n, height)| n.dot(x) <= height + slack),
+            Core::HalfSpace => x.z <= SEAM,
+            Core::Field(field) => {
+                field.is_over(x) && field.below(x).is_some_and(|(_, depth)| depth >= -SEAM)
+            }
+            Core::Surface(surface) => surface.is_any_near(x, 2.0 * deep, |facet| {
+                facet.height(x) <= SEAM && facet.apart(x).norm() <= 2.0 * deep
+            }),
+            _ => self.is_polyhedron() && self.faces().all(|(n, height)| n.dot(x) <= height + SEAM),
         }
     }
 

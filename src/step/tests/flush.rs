@@ -1,5 +1,5 @@
 //! What slides and rolls from one thing to another that is level with it, where these move or are
-//! terrain. Those that all stand still are in `src/tree/flush.rs`.
+//! terrain. Those that all stand still are in `plates.rs`.
 
 use super::terrain::{field, grid, ground, mesh};
 use super::worlds::{body, world};

@@ -45,6 +45,7 @@ mod motors;
 mod moving_ground;
 mod order;
 mod pairs;
+mod plates;
 mod properties;
 mod ratios;
 mod regions;
