@@ -81,7 +81,8 @@ fn kept(on: &On, n: &Vec3, x: &Vec3) -> Option<Vec3> {
         return None;
     }
     let x = edge(p.solid, &p.R.tr_mul(&(x - p.p)), &d);
-    let is_closed = |face: &Face, d: &Vec3| on.is_closed(*face, &x, d);
+    let within = on.within(&x, &d);
+    let is_closed = |face: &Face, d: &Vec3| on.is_closed(*face, (&x, &within), d);
     let corner = farthest(p.solid, &d);
     let walls = || p.solid.walls(&corner);
     let there = || walls().filter(|(n, height)| n.dot(&corner) > height - SEAM);
@@ -213,8 +214,9 @@ fn is_over(on: &On, up: &Vec3, x: &Vec3) -> bool {
     let p = on.p;
     let (x, up) = (p.R.tr_mul(&(x - p.p)), p.R.tr_mul(up));
     let place = within(p.solid, &x);
+    let within = on.within(&place, &up);
     let mut walls = p.solid.walls(&x);
-    walls.all(|face| face.0.dot(&x) <= face.1 || !on.is_closed(face, &place, &up))
+    walls.all(|face| face.0.dot(&x) <= face.1 || !on.is_closed(face, (&place, &within), &up))
 }
 
 /// Adds the lowest points of what lies on a solid with covered walls, as far as they are over it:

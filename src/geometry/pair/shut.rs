@@ -151,9 +151,22 @@ impl<'a> On<'a> {
         self.others.is_none()
     }
 
+    /// A place within all faces of the solid that the direction `d` leads out of at the edge at
+    /// `x`, all in its axes: by so much as things that are level with each other may be apart, or
+    /// one of them higher.
+    pub(super) fn within(&self, x: &Vec3, d: &Vec3) -> Vec3 {
+        let depth = self.others.map_or(0.0, |among| among.others.level());
+        let out = self.p.solid.walls(d).filter(|(n, _)| n.dot(d) > LEAN);
+        out.fold(*x, |x, (n, height)| {
+            x - n * (n.dot(&x) - (height - depth)).max(0.0)
+        })
+    }
+
     /// Whether a wall is shut beside the place `x` of the solid, where the direction `d` leads out
     /// of it; both in its axes.
-    pub(super) fn is_closed(&self, wall: Face, x: &Vec3, d: &Vec3) -> bool {
+    ///
+    /// - `within`: see [`Self::within`], of the direction before any wall was found to be shut
+    pub(super) fn is_closed(&self, wall: Face, (x, within): (&Vec3, &Vec3), d: &Vec3) -> bool {
         let Some(Among {
             others,
             origin,
@@ -165,7 +178,7 @@ impl<'a> On<'a> {
         let (p, slack) = (self.p, others.level());
         let wide = 2.0 * self.o.solid.reach;
         let ball = (&(p.world(x) + origin), wide + 2.0 * slack);
-        let beyond = p.solid.beyond(wall, (x, d), slack);
+        let beyond = within + wall.0 * (wall.1 + slack - wall.0.dot(within));
         let is_up = |(n, _): &Face| is_edge((n, d), wall);
         others.any(self.first != *swapped, ball, &mut |other, X, stays| {
             // From the axes of the solid to those of the other one.
@@ -267,19 +280,6 @@ impl Solid {
     /// Whether it is a box or a hull.
     pub(super) fn is_polyhedron(&self) -> bool {
         matches!(self.core, Core::Box { .. } | Core::Corners(_)) && self.has_faces()
-    }
-
-    /// A place beyond a wall, and within all other faces that the direction `d` leads out of: by so
-    /// much as things that are level with each other may be apart, or one of them higher. `x`: the
-    /// place on the edge between them.
-    fn beyond(&self, (n, height): Face, (x, d): (&Vec3, &Vec3), slack: f64) -> Vec3 {
-        let mut x = *x;
-        for (other, height) in self.walls(d) {
-            if other.dot(d) > LEAN && (other - n).norm() > EVEN_EDGE {
-                x -= other * (other.dot(&x) - (height - slack)).max(0.0);
-            }
-        }
-        x + n * (height + slack - n.dot(&x))
     }
 
     /// Whether a place is inside. Terrain of triangles holds what is no deeper than `deep` behind
