@@ -345,13 +345,17 @@ impl Stepper {
             if error > 1.0 {
                 // Taken at the shortest step. What that does not resolve two stages throw back; one
                 // solve throws nothing back, but takes energy from what it does resolve.
-                let unresolved = error * ctx.tolerance > FLOOR_TOLERANCE;
+                let lost = staged && !self.stages.has_solution;
+                let unresolved = lost || error * ctx.tolerance > FLOOR_TOLERANCE;
                 let (here, trend) = (&mut self.here, &state.stepping.trend.whole);
                 let alone = staged && unresolved && {
                     let start = (here, &state.physical);
                     let error = self.implicit.solve_alone(ctx, start, trend, [h, accuracy]);
                     error.is_finite()
                 };
+                if lost && !alone {
+                    return Err(self.failure());
+                }
                 by = if alone { By::OneSolve } else { by };
                 self.finish(ctx, state, by, h);
                 self.there.pose(ctx, &self.attempt.end);

@@ -122,6 +122,8 @@ pub(super) struct Stages {
     lag: [f64; 2],
     /// What the middle is off, as an error relative to the tolerance.
     off: f64,
+    /// Whether both stages hold a solution: not where the last try to find one has failed.
+    pub has_solution: bool,
     /// Of the contacts of a step that is solved again, see `secants`.
     secants: Vec<Secant>,
     /// Most Newton iterations in a solve since the communication step has begun.
@@ -130,7 +132,7 @@ pub(super) struct Stages {
 
 #[cfg(test)]
 crate::spoil::spoil!(
-    Stages: middle terms aside solved trend q v moved way back from guess memory start forces error probe loops lag off secants iterations;
+    Stages: middle terms aside solved trend q v moved way back from guess memory start forces error probe loops lag off has_solution secants iterations;
 );
 
 impl Stages {
@@ -160,6 +162,7 @@ impl Stages {
             loops: Vec::with_capacity(Rows::most(tree)),
             lag: [0.0; 2],
             off: 0.0,
+            has_solution: false,
             secants: Vec::with_capacity(room[0]),
             iterations: 0,
         })
@@ -211,6 +214,7 @@ impl Stages {
         [h, accuracy]: [f64; 2],
         alike: bool,
     ) -> bool {
+        self.has_solution = false;
         self.middle.kin.loops.follow(&here.kin.loops);
         self.stand(ctx, from, h);
         self.begin_springs(ctx.tree, (here, from));
@@ -245,7 +249,9 @@ impl Stages {
             *moved += (1.0 - GAMMA) * h * v1;
         }
         self.begin(ctx, from, (1, h));
-        self.run(ctx, 1, [eta, accuracy]) && !self.breaks(1, alike.then_some(eta))
+        self.has_solution =
+            self.run(ctx, 1, [eta, accuracy]) && !self.breaks(1, alike.then_some(eta));
+        self.has_solution
     }
 
     /// When a contact with restitution touches in the step of `h` seconds from `here`, s, whose
