@@ -20,6 +20,7 @@ mod init;
 mod meant;
 mod model_description;
 mod newcomers;
+mod obeyed;
 mod offers;
 #[cfg(unix)]
 mod output;

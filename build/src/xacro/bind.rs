@@ -2,7 +2,7 @@
 
 use super::expand::Expansion;
 use super::macros::Macro;
-use super::problem::{Done, Problem};
+use super::problem::{Done, Lacking, Problem};
 use super::symbols::Entry;
 use super::tree::{Element, Node};
 use super::value::Value;
@@ -28,6 +28,8 @@ impl Expansion<'_> {
                 .iter()
                 .any(|parameter| parameter.name == *key)
             {
+                // What uses it follows from that.
+                self.texts.symbols.set(inner, key, Entry::Failed);
                 unknown.push(key);
                 continue;
             }
@@ -92,6 +94,9 @@ impl Expansion<'_> {
             };
             self.texts.symbols.set(inner, key, entry);
         }
+        if lacking.is_empty() && self.unlisted(name, found, &unknown)? {
+            return Ok(());
+        }
         // A name that is wrong makes both.
         let mut wrong = Vec::new();
         if !unknown.is_empty() {
@@ -115,12 +120,50 @@ impl Expansion<'_> {
         self.pass(problem.or_meant(|| self.parameters_of(found, &unknown, &lacking)))
     }
 
-    /// What a call lacks or has too much, and where the macro says so.
-    fn parameters_of(&self, found: &Macro, unknown: &[&str], lacking: &[String]) -> Option<String> {
+    /// Tells parameters that a macro uses and does not list; whether that are all of `unknown`.
+    ///
+    /// Who leaves them out of the calls would be told next that their names are not defined.
+    fn unlisted(&mut self, name: &str, found: &Macro, unknown: &[&str]) -> Done<bool> {
+        let used = |key: &&str| uses(&found.body, key);
+        if unknown.is_empty() || !unknown.iter().all(used) {
+            return Ok(false);
+        }
+        let Some(defined) = self.defined(found) else {
+            return Ok(false);
+        };
+        let listed: Vec<String> = unknown.iter().map(|key| format!("'{key}'")).collect();
+        let own = found.body.attribute("params").unwrap_or_default();
+        let all: Vec<&str> = own
+            .split_whitespace()
+            .chain(unknown.iter().copied())
+            .collect();
+        let advice = format!(
+            "the macro uses what it does not list: write params=\"{}\" where it is defined, in \
+             {defined}",
+            all.join(" ")
+        );
+        let message = format!("macro '{name}' has no parameter {}", listed.join(", "));
+        let key = unknown.join(" ");
+        let problem = self.no_parameter(message, found).or_meant(|| Some(advice));
+        self.pass(Problem {
+            lacking: Some(Lacking::Parameter(name.to_owned(), key)),
+            ..problem
+        })?;
+        Ok(true)
+    }
+
+    /// Where a macro is defined, `file:line`.
+    fn defined(&self, found: &Macro) -> Option<String> {
         let text = self.texts.sources.read.get(&*found.file)?;
         let shown = found.file.display().to_string();
         let at = found.body.at;
         let line = Place::in_text(&shown, text, at..at + 1).line;
+        Some(format!("{shown}:{line}"))
+    }
+
+    /// What a call lacks or has too much, and where the macro says so.
+    fn parameters_of(&self, found: &Macro, unknown: &[&str], lacking: &[String]) -> Option<String> {
+        let defined = self.defined(found)?;
         let give: Vec<String> = lacking
             .iter()
             .map(|key| format!("{}=\"…\"", key.trim_matches('\'')))
@@ -133,7 +176,7 @@ impl Expansion<'_> {
             advice.push(format!("leave out {}", unknown.join(", ")));
         }
         Some(format!(
-            "{}: the macro is defined in {shown}:{line}",
+            "{}: the macro is defined in {defined}",
             advice.join(" and ")
         ))
     }
@@ -147,4 +190,22 @@ impl Expansion<'_> {
         }
         problem.misspelt("params", &found.body)
     }
+}
+
+/// Whether an expression in an element has a name.
+fn uses(element: &Element, name: &str) -> bool {
+    let letter = |c: char| c.is_alphanumeric() || c == '_';
+    let within = |text: &str| {
+        let expressions = text.split("${").skip(1);
+        let mut words = expressions.flat_map(|rest| {
+            let inside = rest.split('}').next().unwrap_or_default();
+            inside.split(|c| !letter(c))
+        });
+        words.any(|word| word == name)
+    };
+    element.attributes.iter().any(|(_, value)| within(value))
+        || element.children.iter().any(|node| match node {
+            Node::Element(inner) => uses(inner, name),
+            Node::Text(text) => within(text),
+        })
 }

@@ -57,6 +57,9 @@ pub enum Lacking {
     Property(String),
     /// A macro.
     Macro(String),
+    /// A parameter of a macro, by their names: the macro uses it, and its definition does not list
+    /// it.
+    Parameter(String, String),
     /// A variable of the environment, by its name.
     Variable(String),
     /// A tag that begins or ends an element.

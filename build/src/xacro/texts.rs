@@ -165,7 +165,7 @@ impl<'f> Texts<'f> {
             let Some(name) = unknown else {
                 return problem;
             };
-            let problem = self.near(problem, scope, &name, meaning);
+            let problem = self.near(problem, scope, (&name, text), meaning);
             let lacking = Some(Lacking::Property(name));
             let weight = self.weight_of_missing();
             Problem {
@@ -180,8 +180,14 @@ impl<'f> Texts<'f> {
         Ok(value)
     }
 
-    /// A name that is not defined, with what it may stand for.
-    fn near(&self, problem: Problem, scope: usize, name: &str, meaning: Meaning) -> Problem {
+    /// A name that is not defined in an expression, with what it may stand for.
+    fn near(
+        &self,
+        problem: Problem,
+        scope: usize,
+        (name, expression): (&str, &str),
+        meaning: Meaning,
+    ) -> Problem {
         if let Meaning::Argument = meaning {
             return problem.meant(name, self.arguments.keys().map(String::as_str));
         }
@@ -196,7 +202,15 @@ impl<'f> Texts<'f> {
             .symbols
             .names(scope)
             .filter(|own| !own.starts_with('*'));
-        problem.meant(name, own.chain(functions::globals()))
+        // A function has brackets behind its name.
+        let called = expression
+            .split(name)
+            .skip(1)
+            .any(|rest| rest.trim_start().starts_with('('));
+        let globals = functions::globals().into_iter().filter(|known| {
+            called || !matches!(functions::global(known), Some(Value::Function(_)))
+        });
+        problem.meant(name, own.chain(globals))
     }
 
     /// A value from outside with its `$(find …)`, which xacro looks for once more in what

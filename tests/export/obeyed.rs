@@ -1,0 +1,77 @@
+//! Messages that are obeyed to the letter: what was told leads to no second message of its kind.
+//! Each robot here is one of a public repository made small.
+
+use super::people::{findings, of_severity, write};
+use super::*;
+
+const ROOT: &str = "<robot xmlns:xacro='http://www.ros.org/wiki/xacro' name='r'>";
+
+/// A robot in xacro with a link.
+fn robot(content: &str) -> String {
+    format!("{ROOT}\n{content}\n<link name='base_link'/></robot>")
+}
+
+/// Every help of the errors, one below the other.
+fn helps(list: &[Value]) -> String {
+    let errors = of_severity(list, "error").into_iter();
+    let helps = errors.filter_map(|finding| finding["help"].as_str());
+    helps.collect::<Vec<_>>().join("\n")
+}
+
+/// A vehicle under water has eight thrusters: who left the parameter out of the calls, as was told,
+/// was told next that its name is not defined, and that 'int' may be meant.
+#[test]
+fn a_parameter_that_a_macro_uses_and_does_not_list_belongs_into_its_definition() {
+    let folder = tempfile::tempdir().unwrap();
+    let calls =
+        "<xacro:thruster side='l' joint='a' max='1'/><xacro:thruster side='r' joint='b' max='2'/>";
+    for (params, both) in [
+        ("", "side joint max"),
+        ("side", "side joint max"),
+        ("joint max:=3", "joint max:=3 side"),
+    ] {
+        let content = |params: &str| {
+            robot(&format!(
+                "<xacro:macro name='thruster' params='{params}'>\
+                 <gazebo><n side='${{side}}'>${{2*max}} ${{joint}}</n></gazebo>\
+                 </xacro:macro>{calls}"
+            ))
+        };
+        let file = write(folder.path(), "r.urdf.xacro", content(params));
+        let (ok, list) = findings(&file, &[]);
+        assert!(!ok && of_severity(&list, "error").len() == 1, "{list:?}");
+        let help = helps(&list);
+        let advice = format!("write params=\"{both}\" where it is defined, in ");
+        assert!(
+            help.contains(&advice) && help.contains("r.urdf.xacro:2"),
+            "{help}"
+        );
+        let file = write(folder.path(), "r.urdf.xacro", content(both));
+        let (ok, list) = findings(&file, &[]);
+        assert!(ok, "{list:?}");
+    }
+    // What no expression of the macro names is of no use to it.
+    let content = "<xacro:macro name='m' params='a'><n x='${a} ${ab} joint'/></xacro:macro>\
+                   <xacro:property name='ab' value='1'/><xacro:m a='1' joint='2'/>";
+    let (_, list) = findings(&write(folder.path(), "m.xacro", robot(content)), &[]);
+    assert!(helps(&list).contains("leave out joint"), "{list:?}");
+}
+
+/// A function is called, so that no bare name stands for one.
+#[test]
+fn a_function_is_not_meant_by_a_name_that_is_not_called() {
+    let folder = tempfile::tempdir().unwrap();
+    for (expression, meant) in [
+        ("joint", false),
+        ("joint + int(2)", false),
+        ("itn(2)", true),
+    ] {
+        let content = robot(&format!("<n x='${{{expression}}}'/>"));
+        let (_, list) = findings(&write(folder.path(), "r.xacro", content), &[]);
+        assert_eq!(
+            helps(&list).contains("did you mean 'int'"),
+            meant,
+            "{list:?}"
+        );
+    }
+}
