@@ -1,6 +1,7 @@
 //! Messages that are obeyed to the letter: what was told leads to no second message of its kind.
 //! Each robot here is one of a public repository made small.
 
+use super::packages::field;
 use super::people::{findings, of_severity, write};
 use super::*;
 
@@ -74,4 +75,27 @@ fn a_function_is_not_meant_by_a_name_that_is_not_called() {
             "{list:?}"
         );
     }
+}
+
+/// Macros of releases before ROS Jade needed no prefix. Who wrote the link that joints lack, as was
+/// told, had a robot that loads and lacks its body.
+#[test]
+fn links_of_macros_without_their_prefix_are_not_to_be_written_by_hand() {
+    let folder = tempfile::tempdir().unwrap();
+    let content = |prefix: &str| {
+        format!(
+            "{ROOT}\n<xacro:macro name='body'><link name='base_link'/></xacro:macro>\n\
+             <{prefix}body/>\n<link name='sonar'/><joint name='j' type='fixed'>\n\
+             <parent link='base_link'/><child link='sonar'/></joint></robot>"
+        )
+    };
+    let file = write(folder.path(), "r.urdf.xacro", content(""));
+    let (ok, list) = findings(&file, &[]);
+    let help = field(&list, "U016", "help");
+    assert!(!ok && !help.contains("<link name"), "{help}");
+    let advice = format!("write <xacro:body …> in {}:3", file.display());
+    assert!(help.contains(&advice), "{help}");
+    let file = write(folder.path(), "r.urdf.xacro", content("xacro:"));
+    let (ok, list) = findings(&file, &[]);
+    assert!(ok, "{list:?}");
 }

@@ -21,6 +21,7 @@ pub struct Origins {
 impl Origins {
     /// Adds to findings in the expanded text, which is called `name`, where it is written.
     pub fn tell(&self, name: &str, findings: &mut [Diagnostic]) {
+        let unprefixed = self.unprefixed(name, findings);
         for finding in findings {
             let place = finding.place.as_ref().filter(|place| place.file == name);
             let Some(written) = place.and_then(|place| self.written(place.line)) else {
@@ -34,6 +35,10 @@ impl Origins {
                 "U016" => conditions::left_out(&self.texts, &finding.message),
                 _ => None,
             };
+            // Whoever writes the link himself would lose the one that the macro has.
+            if let ("U010" | "U011" | "U016", Some(calls)) = (finding.code, &unprefixed) {
+                finding.help = Some(calls.clone());
+            }
             if let Some(left_out) = left_out {
                 finding.help = Some(match finding.help.take() {
                     Some(help) if !help.is_empty() => format!("{left_out}\n{help}"),
@@ -49,16 +54,45 @@ impl Origins {
 
     /// What helps where a tag that is unknown is a call of a macro without its prefix.
     fn call(&self, message: &str) -> Option<String> {
+        let name = self.called(message)?;
+        Some(format!("'{name}' is a macro: write <xacro:{name} …>"))
+    }
+
+    /// The macro whose name an unknown tag has.
+    fn called<'m>(&self, message: &'m str) -> Option<&'m str> {
         let (_, tag) = message.split_once('<')?;
         let (name, _) = tag.split_once("> is unknown here")?;
-        let call = || format!("'{name}' is a macro: write <xacro:{name} …>");
-        self.macros.iter().any(|own| own == name).then(call)
+        self.macros.iter().any(|own| own == name).then_some(name)
+    }
+
+    /// What helps where links are missing and macros are called without their prefix, which
+    /// releases of ROS before Jade took.
+    fn unprefixed(&self, file: &str, findings: &[Diagnostic]) -> Option<String> {
+        let calls = findings.iter().filter_map(|finding| {
+            let place = finding.place.as_ref().filter(|place| place.file == file)?;
+            let name = self.called(&finding.message)?;
+            let (file, line) = self.place(place.line)?;
+            Some(format!("<xacro:{name} …> in {file}:{line}"))
+        });
+        let calls: Vec<String> = calls.collect();
+        (!calls.is_empty()).then(|| {
+            format!(
+                "macros are called without their prefix, which may have it: write {}",
+                calls.join(", ")
+            )
+        })
     }
 
     fn written(&self, line: usize) -> Option<String> {
+        let (file, line) = self.place(line)?;
+        Some(format!("it is written in {file}:{line}"))
+    }
+
+    /// The file and the line there of what begins in a line of the expanded text.
+    fn place(&self, line: usize) -> Option<(String, usize)> {
         let (_, (file, at)) = self.lines.range(..=line).next_back()?;
         let text = self.texts.get(file.as_ref())?;
         let line = text.get(..*at)?.split('\n').count();
-        Some(format!("it is written in {}:{line}", file.display()))
+        Some((file.display().to_string(), line))
     }
 }
