@@ -4,6 +4,7 @@
 use super::checked::{CheckedRobot, Geometry};
 use super::habits;
 use super::mesh;
+use super::nearby;
 use super::resolve::{Missing, Moved, NotFound, Resolver};
 use super::scope::Scope;
 use crate::diagnostic::words::shell;
@@ -176,6 +177,15 @@ pub(super) fn report(
         if let Some(kind) = unread {
             help = format!("{help}\n{}", habits::ending(&kind));
         }
+        if let Some((place, count)) = beside_moved(resolver, package, filename) {
+            let are = if count == 1 {
+                "other one of its package is"
+            } else {
+                "others of its package are"
+            };
+            let shown = place.display();
+            help = format!("put it at {shown}, where {count} {are} found\n{help}");
+        }
         if let Some((option, count)) = resolver.advice(&names) {
             let all = if count == names.len() && count == 1 {
                 "it".to_owned()
@@ -200,6 +210,30 @@ fn of_first(missing: &NotFound, list: &[(Lost, Missing)]) -> String {
         Some(own) => missing.help_with(Some(&common(folders).unwrap_or_else(|| own.clone()))),
         None => missing.help(),
     }
+}
+
+/// Where a file of a package belongs that is nowhere, while others of its package are found below
+/// one folder that has another name, and how many these are. In a folder of the package's own name
+/// it would hide them.
+fn beside_moved(resolver: &Resolver, package: &str, filename: &str) -> Option<(PathBuf, usize)> {
+    if package.is_empty() {
+        return None;
+    }
+    let inside = |name: &str| {
+        let (_, rest) = name.split_once("://")?;
+        let rest = rest.trim_start_matches('/').strip_prefix(package)?;
+        Some(rest.strip_prefix('/')?.to_owned())
+    };
+    let moved = resolver.moved_files();
+    let homes = moved.iter().filter_map(|(name, moved)| {
+        let home = nearby::package_of(&moved.path, &inside(name)?);
+        (!moved.other_case).then_some(home)
+    });
+    let homes: Vec<Option<PathBuf>> = homes.collect();
+    let home = homes.first()?.as_ref()?;
+    let alike = homes.iter().all(|other| other.as_ref() == Some(home));
+    let name = inside(&filename.trim().replace('\\', "/"))?;
+    alike.then(|| (home.join(name), homes.len()))
 }
 
 /// The one folder in which the only files lie that are called as these.

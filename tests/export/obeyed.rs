@@ -2,7 +2,7 @@
 //! Each robot here is one of a public repository made small.
 
 use super::packages::field;
-use super::people::{findings, of_severity, write};
+use super::people::{findings, mesh_robot, of_severity, tetrahedron, write};
 use super::*;
 
 const ROOT: &str = "<robot xmlns:xacro='http://www.ros.org/wiki/xacro' name='r'>";
@@ -96,6 +96,37 @@ fn links_of_macros_without_their_prefix_are_not_to_be_written_by_hand() {
     let advice = format!("write <xacro:body …> in {}:3", file.display());
     assert!(help.contains(&advice), "{help}");
     let file = write(folder.path(), "r.urdf.xacro", content("xacro:"));
+    let (ok, list) = findings(&file, &[]);
+    assert!(ok, "{list:?}");
+}
+
+/// A hand names its package otherwise than it is called, and has most of its meshes below the
+/// package's folder. Who made the folder that was told first, with the mesh, hid all others.
+#[test]
+fn a_mesh_belongs_to_where_others_of_its_package_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    write(
+        root,
+        "hand/package.xml",
+        "<package><name>hand</name></package>",
+    );
+    let names = ["palm", "thumb", "ring"].map(|name| format!("package://hand_2/meshes/{name}.STL"));
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let file = write(root, "hand/urdf/hand.urdf", mesh_robot(&names));
+    for name in ["thumb", "ring"] {
+        write(root, &format!("hand/meshes/{name}.STL"), tetrahedron());
+    }
+    let (ok, list) = findings(&file, &[]);
+    assert!(!ok);
+    let help = field(&list, "U104", "help");
+    let place = fs::canonicalize(root).unwrap().join("hand/meshes/palm.STL");
+    let advice = format!(
+        "put it at {}, where 2 others of its package are found",
+        place.display()
+    );
+    assert!(help.starts_with(&advice), "{help}");
+    fs::write(place, tetrahedron()).unwrap();
     let (ok, list) = findings(&file, &[]);
     assert!(ok, "{list:?}");
 }
