@@ -1,10 +1,15 @@
 //! What people write in a URDF as other programs and formats have it, and what to write in its
 //! place: root elements, attributes, names, and meshes in files of other kinds.
 
+use super::xml::Node;
 use crate::diagnostic::words::did_you_mean;
 
 /// Endings of files that hold others.
 const PACKED: [&str; 7] = ["gz", "zip", "zae", "bz2", "xz", "7z", "zst"];
+
+/// Longest text that is written out as the value of an attribute, bytes: a name of a mesh in its
+/// folders, or some numbers.
+const MOST_CONTENT: usize = 200;
 
 /// What to do about a document with this root element, if another program has it.
 pub(super) fn root(element: &str) -> Option<&'static str> {
@@ -29,6 +34,29 @@ pub(super) fn attribute(name: &str, known: &[&str]) -> String {
         return "write radius=\"…\", which is half of it".to_owned();
     }
     did_you_mean(name, known.iter().copied())
+}
+
+/// What to write for an attribute that stands in an element of its own, or as the text of the element
+/// that lacks it, as an SDF has it.
+pub(super) fn content(node: Node, name: &str) -> Option<String> {
+    let called = if name == "filename" { "uri" } else { name };
+    let inner = node.children().find(|child| child.name() == called);
+    let text = inner.map_or_else(|| node.content(), Node::content);
+    let words: Vec<&str> = text.split_whitespace().collect();
+    // Of several numbers it is not known which of them is this one.
+    if inner.is_none() && (node.name() == "inertia" || words.len() > 1 && name != "size") {
+        return None;
+    }
+    let value = words.join(" ");
+    let place = match inner {
+        Some(inner) => format!("<{}>", inner.name()),
+        None => "the text".to_owned(),
+    };
+    let plain = |c: char| c.is_alphanumeric() || " _-+.:/".contains(c);
+    let short = !value.is_empty() && value.len() <= MOST_CONTENT && value.chars().all(plain);
+    short.then(|| {
+        format!("write {name}=\"{value}\" in place of {place}, which is how an SDF has it")
+    })
 }
 
 /// What to write for a name that nothing has, because it is an expression without its sign.

@@ -3,7 +3,7 @@
 use super::checked::{CheckedCollision, CheckedInertial, CheckedLink, Geometry, called};
 use super::scope::Scope;
 use super::xml::Node;
-use super::{foreign, inertia};
+use super::{foreign, habits, inertia};
 use crate::diagnostic::Severity;
 use crate::diagnostic::words::did_you_mean;
 use crate::range::Range as Physical;
@@ -138,7 +138,8 @@ fn moments(scope: &mut Scope, i: Node) -> [Option<f64>; 6] {
                 return scope.within(i, mirrored.0, mirrored.1, Physical::Inertia);
             }
             let message = format!("<inertia> has no {name}");
-            scope.warning("U063", i.tag_at(), &message, "0 is used");
+            let help = habits::content(i, name).unwrap_or_else(|| "0 is used".to_owned());
+            scope.warning("U063", i.tag_at(), &message, help);
             return Some(0.0);
         }
         let product = scope.number(i, name)?;

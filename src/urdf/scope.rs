@@ -181,6 +181,7 @@ impl<'r, 'a> Scope<'r, 'a> {
 
     pub(super) fn missing_attribute(&mut self, node: Node, name: &str, help: &str) {
         let message = format!("<{}> has no attribute '{name}'", node.name());
+        let help = habits::content(node, name).unwrap_or_else(|| help.to_owned());
         self.problem("U015", node.tag_at(), &message, help);
     }
 
