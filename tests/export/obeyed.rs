@@ -170,3 +170,37 @@ fn what_an_sdf_has_as_an_element_is_told_as_an_attribute_with_its_value() {
         assert!(told.contains(&&*advice), "{advice}: {told:?}");
     }
 }
+
+/// A package of several drones and a camera, each with a launch file: the first in the order of
+/// their names gave the name of the camera to a drone.
+#[test]
+fn values_come_from_launch_files_that_name_the_robot() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    write(root, "p/package.xml", "<package><name>p</name></package>");
+    for (name, file) in [
+        ("camera", "camera"),
+        ("drone", "drone"),
+        ("zeppelin", "balloon"),
+    ] {
+        let text = format!(
+            "<launch><arg name='name' default='{name}'/><arg name='model' \
+             value='$(find p)/urdf/{file}.urdf.xacro'/><param name='d' \
+             command=\"xacro '$(arg model)' name:=$(arg name)\"/></launch>"
+        );
+        write(root, &format!("p/launch/{name}.launch"), text);
+    }
+    for (file, value) in [
+        ("camera", "camera"),
+        ("drone", "drone"),
+        ("balloon", "zeppelin"),
+    ] {
+        let name = format!("p/urdf/{file}.urdf.xacro");
+        // What stands in a comment asks for nothing.
+        let content = robot("<n x='$(arg name)'/><!-- node='$(arg node_name)' -->");
+        let (_, list) = findings(&write(root, &name, content), &[]);
+        let help = field(&list, "U006", "help");
+        let call = format!(".urdf.xacro name:={value}\n");
+        assert!(help.contains(&call), "{help}");
+    }
+}

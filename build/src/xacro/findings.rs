@@ -47,8 +47,10 @@ pub(super) fn lacking_arguments(
         return Vec::new();
     }
     let read = || texts.sources.read.values().map(|text| &**text);
-    let used: BTreeSet<String> = read().flat_map(|text| named(text, "$(arg ")).collect();
-    let declared: BTreeSet<String> = read().flat_map(declared_arguments).collect();
+    // What stands in a comment neither asks for a value nor gives one.
+    let plain: Vec<String> = read().map(includers::uncommented).collect();
+    let used: BTreeSet<String> = plain.iter().flat_map(|t| named(t, "$(arg ")).collect();
+    let declared: BTreeSet<String> = plain.iter().flat_map(|t| declared_arguments(t)).collect();
     // A default that stands after the first use comes too late.
     let lacking = |name: &String| {
         absent(name) || !declared.contains(name) && !texts.arguments.contains_key(name)

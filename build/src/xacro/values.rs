@@ -42,14 +42,20 @@ impl Launches {
         name: &str,
         mut read: impl Iterator<Item = &'t str> + Clone,
     ) -> Option<Known> {
-        for way in [called, declared, of_xacro] {
-            let found = self.all(path).iter().find_map(|(file, text)| {
-                let value = way(text, name)?;
-                let reason = format!("{name}:={value} is what {} gives", file.display());
-                Some(Known { value, reason })
-            });
-            if found.is_some() {
-                return found;
+        // A package may have several robots, each with launch files of its own.
+        let own = path.file_name().unwrap_or_default().to_string_lossy();
+        let all = self.all(path);
+        for of_it in [true, false] {
+            for way in [called, declared, of_xacro] {
+                let files = all.iter().filter(|(_, text)| text.contains(&*own) == of_it);
+                let found = files.into_iter().find_map(|(file, text)| {
+                    let value = way(text, name)?;
+                    let reason = format!("{name}:={value} is what {} gives", file.display());
+                    Some(Known { value, reason })
+                });
+                if found.is_some() {
+                    return found;
+                }
             }
         }
         if let Some(folder) = having(path, name, read.clone()) {
