@@ -204,3 +204,32 @@ fn values_come_from_launch_files_that_name_the_robot() {
         assert!(help.contains(&call), "{help}");
     }
 }
+
+/// A tractor's old description lies outside of the package that has the files it includes.
+#[test]
+fn an_included_file_that_the_checkout_has_elsewhere_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    fs::create_dir(root.join(".git")).unwrap();
+    write(
+        root,
+        "src/car/package.xml",
+        "<package><name>car</name></package>",
+    );
+    let macros = format!("{ROOT}<xacro:macro name='wheel'><link name='w'/></xacro:macro></robot>");
+    let there = write(root, "src/car/urdf/macros.xacro", macros);
+    let content = "<xacro:include filename='macros.xacro'/><xacro:wheel/>";
+    let text = format!("{ROOT}{content}</robot>");
+    let file = write(root, "notes/old/robot.urdf.xacro", &text);
+    let (ok, list) = findings(&file, &[]);
+    assert!(!ok);
+    let help = field(&list, "U006", "help");
+    let meant = format!("did you mean '{}'?", there.display());
+    assert_eq!(help, meant);
+    write(
+        root,
+        "notes/old/robot.urdf.xacro",
+        text.replace("macros.xacro", super::text(&there)),
+    );
+    assert!(findings(&file, &[]).0);
+}

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use urdf2fmu_core::encoding::xml_replaced;
+use urdf2fmu_core::{folder, urdf};
 
 /// How far above a file the folder of its package may be.
 const HIGHEST: usize = 6;
@@ -131,13 +132,17 @@ fn in_other_case(path: &Path) -> Option<PathBuf> {
     found.next().is_none().then_some(only)
 }
 
-/// Files of the package in which a path is that have its name.
+/// Files of the package in which a path is that have its name; if there is none, those of the
+/// checkout, whose packages need not hold all of its files.
 pub fn namesakes(path: &Path) -> Vec<PathBuf> {
-    let Some(package) = package(path) else {
-        return Vec::new();
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let of_name = |home: PathBuf| {
+        let named = |file: &PathBuf| file.file_name() == path.file_name();
+        let mut found: Vec<PathBuf> = files(&home).into_iter().filter(named).collect();
+        found.sort();
+        (!found.is_empty()).then_some(found)
     };
-    let named = |file: &PathBuf| file.file_name() == path.file_name();
-    let mut found: Vec<PathBuf> = files(&package).into_iter().filter(named).collect();
-    found.sort();
-    found
+    let found = package(&path).and_then(of_name);
+    let around = || urdf::checkout(folder::of(&path)).and_then(of_name);
+    found.or_else(around).unwrap_or_default()
 }
