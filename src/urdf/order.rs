@@ -92,7 +92,8 @@ pub(super) fn order(scope: &mut Scope, robot: &CheckedRobot) -> Option<Order> {
         if let Some(other) = tree.above[child] {
             let message = format!("link '{}' has two parents", reference.name);
             let help = format!(
-                "{} holds it too: a URDF is a tree, close loops outside of it",
+                "{} holds it too: a URDF is a tree; remove one of the two, or close the loop by a \
+                 [[loop]] of the settings",
                 robot.joints[other].called()
             );
             scope.problem("U013", reference.at.clone(), &message, help);

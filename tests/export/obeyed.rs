@@ -233,3 +233,27 @@ fn an_included_file_that_the_checkout_has_elsewhere_is_named() {
     );
     assert!(findings(&file, &[]).0);
 }
+
+/// A loop that is written as two parents.
+#[test]
+fn a_link_with_two_parents_is_told_with_what_closes_a_loop() {
+    let folder = tempfile::tempdir().unwrap();
+    let joint = |name: &str, parent: &str, child: &str| {
+        format!(
+            "<joint name='{name}' type='fixed'><parent link='{parent}'/>\
+             <child link='{child}'/></joint>"
+        )
+    };
+    let text = format!(
+        "<robot name='r'><link name='a'/><link name='b'/><link name='c'/>{}{}{}</robot>",
+        joint("x", "a", "b"),
+        joint("y", "a", "c"),
+        joint("z", "b", "c")
+    );
+    let (_, list) = findings(&write(folder.path(), "r.urdf", text), &[]);
+    let help = field(&list, "U013", "help");
+    assert!(
+        help.contains("remove one of the two") && help.contains("[[loop]]"),
+        "{help}"
+    );
+}
