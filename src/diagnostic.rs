@@ -263,20 +263,29 @@ impl<'a> Report<'a> {
     ) {
         let kind = owner.split('\'').next().unwrap_or_default().to_owned();
         let alike = (kind, code, message.to_owned(), help.clone());
+        let room = self.has_room(severity);
         let (count, listed) = self.alike.entry(alike).or_default();
         *count += 1;
-        if *count <= TOLD {
-            listed.push(self.list.len());
-            self.add(severity, code, at, format!("{owner}: {message}"), help);
+        if *count > TOLD {
+            return;
         }
+        // Where there is no room, what comes to this place next is another finding.
+        if room {
+            listed.push(self.list.len());
+        }
+        self.add(severity, code, at, format!("{owner}: {message}"), help);
+    }
+
+    /// Whether one more finding is listed.
+    fn has_room(&self, severity: Severity) -> bool {
+        let same = |d: &&Diagnostic| d.severity == severity;
+        self.list.iter().filter(same).count() < MOST_ERRORS
     }
 
     /// Makes one of many findings that are alike.
     fn gather(&mut self) {
         let mut spare = BTreeSet::new();
-        for (count, mut listed) in std::mem::take(&mut self.alike).into_values() {
-            // Where the list was full, there is no finding.
-            listed.retain(|&index| index < self.list.len());
+        for (count, listed) in std::mem::take(&mut self.alike).into_values() {
             let line = |index: &usize| self.list[*index].place.as_ref().map(|place| place.line);
             let Some(&first) = listed.iter().min_by_key(|&index| line(index)) else {
                 continue;
@@ -313,8 +322,7 @@ impl<'a> Report<'a> {
         message: String,
         help: String,
     ) {
-        let same = |d: &&Diagnostic| d.severity == severity;
-        if self.list.iter().filter(same).count() >= MOST_ERRORS {
+        if !self.has_room(severity) {
             self.more += usize::from(severity == Severity::Error);
             return;
         }
@@ -427,6 +435,25 @@ mod tests {
             "{many:?}"
         );
         assert_eq!(many[1], "joint '9': another");
+    }
+
+    /// Of the warnings there is no room for more, but of the errors: these were taken for warnings
+    /// that are alike, and two of three left out.
+    #[test]
+    fn errors_behind_more_warnings_than_are_listed_are_all_told() {
+        let mut report = Report::new("f", "a");
+        for i in 0..MOST_ERRORS {
+            report.warning("U020", 0..1, format!("{i}"), "");
+        }
+        for i in 0..=TOLD {
+            let (owner, help) = (format!("joint '{i}'"), String::new());
+            report.about(&owner, Severity::Warning, "U019", 0..1, "unknown", help);
+            report.error("U015", 0..1, format!("error {i}"), "");
+        }
+        let list = report.finish().into_iter();
+        let errors = list.filter(|finding| finding.severity == Severity::Error);
+        let told: Vec<String> = errors.map(|finding| finding.message).collect();
+        assert_eq!(told, ["error 0", "error 1", "error 2", "error 3"]);
     }
 
     #[test]
