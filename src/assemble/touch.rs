@@ -57,17 +57,44 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
         }
     }
     drawn.sort_by_key(|(pair, _)| *pair);
-    for (pair, depth) in &drawn {
-        let [a, b] = pair.map(|link| &model.links[link.index()].name);
-        let message = format!(
-            "links '{a}' and '{b}' overlap by {:.1} mm before anything moves, so they do not touch each other",
-            1e3 * depth
-        );
-        let help = "name them in [[ignore_contact]] if that is right, else correct their shapes";
-        findings.warning("A136", None, message, help);
-    }
+    tell(model, &drawn, findings);
     model.apart.extend(drawn.into_iter().map(|(pair, _)| pair));
     model.apart.sort_unstable();
+}
+
+/// Warns of links that overlap, and by how much, m. Of a hand that is drawn folded these are a
+/// hundred pairs, which are one thing to look at.
+fn tell(model: &Model, drawn: &[([LinkId; 2], f64)], findings: &mut Findings) {
+    /// As many pairs are told each by itself, and of more these are listed.
+    const MOST: (usize, usize) = (3, 20);
+    let name = |link: LinkId| &model.links[link.index()].name;
+    let overlap = |([a, b], depth): &([LinkId; 2], f64)| {
+        let (a, b, depth) = (name(*a), name(*b), 1e3 * depth);
+        format!("'{a}' and '{b}' overlap by {depth:.1} mm")
+    };
+    let help = "name them in [[ignore_contact]] if that is right, else correct their shapes";
+    let warning = |pair: &([LinkId; 2], f64)| {
+        let overlap = overlap(pair);
+        format!("links {overlap} before anything moves, so they do not touch each other")
+    };
+    if drawn.len() <= MOST.0 {
+        for pair in drawn {
+            findings.warning("A136", None, warning(pair), help);
+        }
+        return;
+    }
+    let mut deepest: Vec<_> = drawn.iter().collect();
+    deepest.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    let (first, others) = (deepest[0], &deepest[1..]);
+    let count = others.len();
+    let message = format!("{}; nor do those of {count} more pairs", warning(first));
+    let shown = others.iter().take(MOST.1).map(|pair| overlap(pair));
+    let mut shown: Vec<String> = shown.collect();
+    if let more @ 1.. = count.saturating_sub(MOST.1) {
+        shown.push(format!("and {more} more, which overlap less"));
+    }
+    let help = format!("{help}\n{}", shown.join("\n"));
+    findings.warning("A136", None, message, &help);
 }
 
 /// What `[[ignore_contact]]` of a robot in a world says about the robot alone: entries that name

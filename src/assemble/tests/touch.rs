@@ -106,6 +106,43 @@ fn links_that_overlap_before_anything_moves_are_named_with_their_depth() {
     assert!(!has(&assembled(&slides(0.35), &alone), "A136"));
 }
 
+/// Six balls of 0.1 m on slides, 0, 1, 3, 6, 10 and 15 cm high, so that all 6 · 5/2 = 15 pairs
+/// overlap: they are one warning, and its first are those that are 1 cm apart, by 20 − 1 cm.
+#[test]
+fn many_links_that_overlap_are_one_warning_with_the_deepest_first() {
+    let mut drawn = robot(frame("post"));
+    for (name, height) in [
+        ("f", 0.15),
+        ("a", 0.0),
+        ("b", 0.01),
+        ("c", 0.03),
+        ("d", 0.06),
+        ("e", 0.1),
+    ] {
+        let slide = format!("slide_{name}");
+        let place = at(0.0, 0.0, height);
+        drawn = drawn.with("post", &slide, Prismatic, place, body(name, 1.0));
+    }
+    let found = assembled(&drawn, PUSHED);
+    let told: Vec<_> = found
+        .diagnostics
+        .iter()
+        .filter(|d| d.code == "A136")
+        .collect();
+    assert_eq!((told.len(), found.model.apart.len()), (1, 15));
+    let message = &told[0].message;
+    assert!(
+        message.starts_with("links 'a' and 'b' overlap by 190.0 mm"),
+        "{message}"
+    );
+    assert!(
+        message.ends_with("nor do those of 14 more pairs"),
+        "{message}"
+    );
+    let help = told[0].help.as_deref().unwrap_or_default();
+    assert_eq!(help.matches(" overlap by ").count(), 14, "{help}");
+}
+
 /// A cube that falls on the cart, and one that begins in it.
 const FALLING: &str = "[[world.object]]\nname = \"cube\"\nshape = { box = [0.1, 0.1, 0.1] }\n\
      mass = 1\nxyz = [0, 0, 1]\n";
