@@ -234,6 +234,52 @@ fn an_included_file_that_the_checkout_has_elsewhere_is_named() {
     assert!(findings(&file, &[]).0);
 }
 
+/// A glider whose propellers are macros of a package that is not there: with it, they have no
+/// inertia, which was told in the second run, so that a third one was needed.
+#[test]
+fn what_a_missing_package_may_write_is_told_with_an_option_for_both() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path();
+    let include = "<xacro:include filename='$(find propellers)/urdf/p.xacro'/>";
+    let masses = "<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' \
+                  izz='1'/></inertial>";
+    let text = format!(
+        "{ROOT}{include}<link name='hull'>{masses}</link><xacro:propeller name='a'/>\
+         <xacro:propeller name='b'/></robot>"
+    );
+    let file = write(root, "glider/r.urdf.xacro", text);
+    let (ok, list) = findings(&file, &[]);
+    assert!(!ok);
+    let help = field(&list, "U006", "help");
+    let advice = "('propeller'): with --missing-mass 0.1 in the same call";
+    assert!(
+        help.contains("--package propellers=DIR") && help.contains(advice),
+        "{help}"
+    );
+    let propeller = format!(
+        "{ROOT}<xacro:macro name='propeller' params='name'><link name='${{name}}'/>\
+         <joint name='j_${{name}}' type='continuous'><parent link='hull'/><child link='${{name}}'/>\
+         <axis xyz='1 0 0'/></joint></xacro:macro></robot>"
+    );
+    write(root, "elsewhere/deep/urdf/p.xacro", propeller);
+    let package = format!("propellers={}", root.join("elsewhere/deep").display());
+    let given = ["--package", &package];
+    let (ok, list) = findings(&file, &given);
+    assert!(
+        !ok && list.iter().any(|finding| finding["code"] == "A104"),
+        "{list:?}"
+    );
+    let (ok, list) = findings(&file, &[&given[..], &["--missing-mass", "0.1"]].concat());
+    assert!(ok, "{list:?}");
+    // Where nothing of the package is called, there is nothing to expect.
+    let text = format!("{ROOT}{include}<link name='hull'/></robot>");
+    let (_, list) = findings(&write(root, "glider/s.urdf.xacro", text), &[]);
+    assert!(
+        !field(&list, "U006", "help").contains("--missing-mass"),
+        "{list:?}"
+    );
+}
+
 /// A loop that is written as two parents.
 #[test]
 fn a_link_with_two_parents_is_told_with_what_closes_a_loop() {

@@ -64,11 +64,13 @@ pub(super) fn lacking_arguments(
 }
 
 /// A finding for each problem, and one for all arguments together.
+///
+/// - `maybe`: what may follow from the problems
 pub(super) fn all(
     path: &Path,
     arguments: &[String],
     texts: &Texts,
-    problems: &[Problem],
+    (problems, maybe): (&[Problem], &[Problem]),
 ) -> Vec<Diagnostic> {
     // Nor is it known what a package or a file that is missing has of it.
     let of_files = |problem: &Problem| {
@@ -102,6 +104,10 @@ pub(super) fn all(
                 _ => meant.to_string(),
             });
         }
+        if let (Some(Lacking::Package(_)), Some(unknown)) = (&problem.lacking, of_unknown(maybe)) {
+            let help = finding.help.unwrap_or_default();
+            finding.help = Some(format!("{help}\n{unknown}"));
+        }
         let defined = definitions::advice(path, texts, problem, part.is_some(), &mut unread);
         let known = defined.is_some();
         finding.help = defined.or(finding.help);
@@ -126,6 +132,27 @@ pub(super) fn all(
         list.push(finding);
     }
     list
+}
+
+/// What to pass with a package that is missing and has macros: what these write is seen only with
+/// it, and links of propellers or wheels without a mass would be told next. Where none lacks one,
+/// the option changes nothing.
+fn of_unknown(maybe: &[Problem]) -> Option<String> {
+    /// More names than these are not shown.
+    const MOST: usize = 3;
+    let names = maybe.iter().filter_map(|problem| match &problem.lacking {
+        Some(Lacking::Macro(name)) => Some(format!("'{name}'")),
+        _ => None,
+    });
+    let names: Vec<String> = names.collect();
+    let more = if names.len() > MOST { ", …" } else { "" };
+    (!names.is_empty()).then(|| {
+        format!(
+            "what its macros write is not known without it ({}{more}): with --missing-mass 0.1 in \
+             the same call, links of them that cannot move without a mass get one",
+            names[..names.len().min(MOST)].join(", ")
+        )
+    })
 }
 
 /// What may follow from the problems that are told: names that a file may define which cannot be

@@ -65,7 +65,8 @@ pub(super) fn all<'f>(
     find: &'f Find<'f>,
     (mut expansion, mut root): (Expansion<'f>, Option<Element>),
 ) -> (Vec<Diagnostic>, Expansion<'f>, Option<Element>, bool) {
-    let mut told = findings::all(path, arguments, &expansion.texts, &expansion.problems);
+    let list = (&expansion.problems[..], &expansion.maybe[..]);
+    let mut told = findings::all(path, arguments, &expansion.texts, list);
     told.extend(findings::moved(&expansion.texts));
     let mut proposed = Proposed::default();
     let mut unread = Unread::default();
@@ -99,7 +100,7 @@ pub(super) fn all<'f>(
             path,
             &given,
             &expansion.texts,
-            &expansion.problems,
+            (&expansion.problems, &expansion.maybe),
         ));
         expansion.maybe.retain(new);
     }
