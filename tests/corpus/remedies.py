@@ -18,7 +18,14 @@ WRITTEN = re.compile(r"it is written in (.+?):(\d+)")
 MEANT = re.compile(r"(?:did you mean|the nearest [\w ]+ is|use) '([^']+)'")
 TRIED = re.compile(r"tried (/[^\n]+)")
 LINK = re.compile(r"write (<link name=\"[^\"]+\"/>)")
-CALL = re.compile(r"write (\w+)=\"…\" into the call")
+CALL = re.compile(r"write ((?:\w+=\"…\" ?)+)into the call")
+LEAVE = re.compile(r"leave out '?(\w+)'?: the macro is defined")
+PARAMETERS = re.compile(r"write (params=\"[^\"]*\") where it is defined, in (.+):(\d+)")
+PREFIX = re.compile(r"<xacro:(\w+) …> in ([^\n]+?):(\d+)")
+ATTRIBUTE = re.compile(r"write (\w+=\"[^\"]*\") in place of")
+PUT = re.compile(r"put it at (/[^\n]+), where")
+WITH_PACKAGE = re.compile(r"with (--missing-mass \d+(?:\.\d+)?) in the same call")
+WITH_FILE = re.compile(rf"with the file, pass --package-path ({WORD})")
 INCLUDE = re.compile(r"put before its use: (<xacro:include filename=\"[^\"]+\"/>)")
 LATER = re.compile(r"it is defined behind this, in line \d+")
 CORRECTED = re.compile(r"if it is meant, correct the path in the URDF")
@@ -107,7 +114,8 @@ class Remedies:
         for finding in findings:
             done = any([way(finding) for way in (self.option, self.mesh, self.link)]) or any(
                 way(finding) for way in (self.argument, self.package, self.same_name, self.meant, self.call,
-                                         self.include, self.later, self.beside))
+                                         self.include, self.later, self.beside, self.leave, self.parameters,
+                                         self.prefix, self.attribute))
             changed |= done
             if not done:
                 left.append(finding)
@@ -130,7 +138,8 @@ class Remedies:
     def option(self, finding):
         """The first options that are offered, and every package."""
         # Nobody has the file that is to be there first.
-        found = OPTIONS.findall(re.sub(rf"with the file, pass --package-path {WORD}", "", finding["help"] or ""))
+        offered = WITH_PACKAGE.sub("", finding["help"] or "")
+        found = OPTIONS.findall(re.sub(rf"with the file, pass --package-path {WORD}", "", offered))
         # "put it there, or pass …" of what may be another package is a guess.
         if not found or "if another one is meant" in finding["help"]:
             return False
@@ -149,12 +158,17 @@ class Remedies:
         """A package that is not found, from elsewhere."""
         name = re.search(r"package '([^']+)' is not found", finding["message"])
         place = self.packages.get(name[1]) if name else None
-        return place is not None and self.add(("--package", f"{name[1]}={place}"))
+        if place is None:
+            return False
+        if with_package := WITH_PACKAGE.search(finding["help"] or ""):
+            self.add(tuple(with_package[1].split(" ")))
+        return self.add(("--package", f"{name[1]}={place}"))
 
     def mesh(self, finding):
         """Puts a mesh that is missing where it is looked for first."""
-        tried = self.of_mesh(finding) and TRIED.search(finding["help"] or "")
-        if not tried or CORRECTED.search(finding["help"]):
+        help_ = finding["help"] or ""
+        tried = self.of_mesh(finding) and (PUT.search(help_) or TRIED.search(help_))
+        if not tried or CORRECTED.search(help_) and not PUT.search(help_):
             return False
         path = Path(tried[1].strip())
         content = cube(path)
@@ -162,6 +176,9 @@ class Remedies:
             return False
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)
+        # Who has the file passes what is to be passed with it.
+        if with_file := WITH_FILE.search(help_):
+            self.add(("--package-path", unquoted(with_file[1])))
         return True
 
     def place(self, finding):
@@ -216,10 +233,69 @@ class Remedies:
         for at in range(line - 1, max(0, line - 6) - 1, -1):
             tag = re.search(r"<xacro:\w+", lines[at])
             if tag:
-                lines[at] = f'{lines[at][:tag.end()]} {missing[1]}="x"{lines[at][tag.end():]}'
+                given = missing[1].strip().replace("…", "x")
+                lines[at] = f"{lines[at][:tag.end()]} {given}{lines[at][tag.end():]}"
                 write(file, "\n".join(lines))
                 return True
         return False
+
+    def leave(self, finding):
+        """An attribute of a call that the macro does not have."""
+        more = LEAVE.search(finding["help"] or "")
+        file, line = self.place(finding)
+        if not more or not file or not line:
+            return False
+        lines = read(file).split("\n")
+        for at in range(line - 1, min(len(lines), line + 8)):
+            without = re.sub(rf"\s{more[1]}=(\"[^\"]*\"|'[^']*')", "", lines[at], count=1)
+            if without != lines[at]:
+                lines[at] = without
+                write(file, "\n".join(lines))
+                return True
+        return False
+
+    @staticmethod
+    def in_tag(file, line, tag, new):
+        """Replaces the beginning of the tag that stands in a line or shortly behind."""
+        lines = read(file).split("\n")
+        for at in range(line - 1, min(len(lines), line + 3)):
+            found = re.search(tag, lines[at])
+            if found and new not in lines[at]:
+                lines[at] = lines[at][:found.start()] + new + lines[at][found.end():]
+                write(file, "\n".join(lines))
+                return True
+        return False
+
+    def parameters(self, finding):
+        """The list of parameters of a macro."""
+        new = PARAMETERS.search(finding["help"] or "")
+        if not new or not Path(new[2]).is_file():
+            return False
+        lines = read(new[2]).split("\n")
+        at = int(new[3]) - 1
+        tag = re.sub(r"\sparams=(\"[^\"]*\"|'[^']*')", "", lines[at])
+        lines[at] = tag.replace("<xacro:macro", f"<xacro:macro {new[1]}", 1)
+        write(new[2], "\n".join(lines))
+        return True
+
+    def prefix(self, finding):
+        """Macros that are called without their prefix, with the tags that end them."""
+        done = False
+        for name, file, line in PREFIX.findall(finding["help"] or ""):
+            done |= self.in_tag(file, int(line), rf"<{name}\b", f"<xacro:{name}")
+            text = read(file)
+            if done and f"</{name}>" in text:
+                write(file, text.replace(f"</{name}>", f"</xacro:{name}>"))
+        return done
+
+    def attribute(self, finding):
+        """An attribute that is written as an element."""
+        given = ATTRIBUTE.search(finding["help"] or "")
+        tag = re.search(r"<(\w+)> has no", finding["message"])
+        file, line = self.place(finding)
+        if not given or not tag or not file or not line:
+            return False
+        return self.in_tag(file, line, rf"<{tag[1]}\b", f"<{tag[1]} {given[1]}")
 
     def include(self, finding):
         """A file that is not included: before the element of the finding, at the latest."""
