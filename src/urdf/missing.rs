@@ -172,30 +172,7 @@ pub(super) fn report(
                 lines.join(", ")
             );
         }
-        // Who finds the file would be told next that it cannot be read.
-        let unread = names.iter().find_map(|name| mesh::unread_kind(name));
-        if let Some(kind) = unread {
-            help = format!("{help}\n{}", habits::ending(&kind));
-        }
-        if let Some((place, count)) = beside_moved(resolver, package, filename) {
-            let are = if count == 1 {
-                "other one of its package is"
-            } else {
-                "others of its package are"
-            };
-            let shown = place.display();
-            help = format!("put it at {shown}, where {count} {are} found\n{help}");
-        }
-        if let Some((option, count)) = resolver.advice(&names) {
-            let all = if count == names.len() && count == 1 {
-                "it".to_owned()
-            } else if count == names.len() {
-                "all of them".to_owned()
-            } else {
-                format!("{count} of {}", names.len())
-            };
-            help = format!("{option} finds {all}\n{help}");
-        }
+        let help = with_ways(help, resolver, package, &names);
         scope.problem("U104", first.at.clone(), &message, help);
     }
 }
@@ -212,13 +189,41 @@ fn of_first(missing: &NotFound, list: &[(Lost, Missing)]) -> String {
     }
 }
 
-/// Where a file of a package belongs that is nowhere, while others of its package are found below
-/// one folder that has another name, and how many these are. In a folder of the package's own name
-/// it would hide them.
-fn beside_moved(resolver: &Resolver, package: &str, filename: &str) -> Option<(PathBuf, usize)> {
-    if package.is_empty() {
-        return None;
+/// The help on meshes that are missing, with what else there is to do: another format, where they
+/// belong, and the option that finds them.
+fn with_ways(mut help: String, resolver: &Resolver, package: &str, names: &[&str]) -> String {
+    // Who finds the file would be told next that it cannot be read.
+    let unread = names.iter().find_map(|name| mesh::unread_kind(name));
+    if let Some(kind) = unread {
+        help = format!("{help}\n{}", habits::ending(&kind));
     }
+    if let Some((place, count)) = beside_moved(resolver, package, names) {
+        let are = if count == 1 {
+            "other one of its package is"
+        } else {
+            "others of its package are"
+        };
+        let shown = place.display();
+        help = format!("put it at {shown}, where {count} {are} found\n{help}");
+    }
+    if let Some((option, count)) = resolver.advice(names) {
+        let all = if count == names.len() && count == 1 {
+            "it".to_owned()
+        } else if count == names.len() {
+            "all of them".to_owned()
+        } else {
+            format!("{count} of {}", names.len())
+        };
+        help = format!("{option} finds {all}\n{help}");
+    }
+    help
+}
+
+/// Where the first of some files of a package belongs, which are nowhere, while others of it are
+/// found below one folder that has another name, and how many these are. In a folder of the
+/// package's own name it would hide them.
+fn beside_moved(resolver: &Resolver, package: &str, names: &[&str]) -> Option<(PathBuf, usize)> {
+    let filename = names.first().filter(|_| !package.is_empty())?;
     let inside = |name: &str| {
         let (_, rest) = name.split_once("://")?;
         let rest = rest.trim_start_matches('/').strip_prefix(package)?;

@@ -135,19 +135,13 @@ fn a_mesh_belongs_to_where_others_of_its_package_are_found() {
 #[test]
 fn what_an_sdf_has_as_an_element_is_told_as_an_attribute_with_its_value() {
     let folder = tempfile::tempdir().unwrap();
-    let inertia = |names: &[&str]| -> String {
-        names
-            .iter()
-            .map(|name| format!("<{name}>0.{}</{name}>", name.len()))
-            .collect()
-    };
+    let moments = "<ixx>0.3</ixx><iyy>0.3</iyy><izz>0.3</izz>";
     let text = format!(
         "<robot name='r'><link name='a'/><link name='imu'><inertial><mass> 0.015 </mass>\
-         <inertia>{}<ixy>0.001</ixy></inertia></inertial><collision><geometry><box><size>0.1  0.2\
-         \n0.3</size></box></geometry></collision><collision><geometry><mesh><uri>model://m/a.stl\
-         </uri></mesh></geometry></collision></link><joint name='j' type='fixed'><parent>a</parent>\
-         <child>imu</child></joint></robot>",
-        inertia(&["ixx", "iyy", "izz"])
+         <inertia>{moments}<ixy>0.001</ixy></inertia></inertial><collision><geometry><box>\
+         <size>0.1  0.2\n0.3</size></box></geometry></collision><collision><geometry><mesh>\
+         <uri>model://m/a.stl</uri></mesh></geometry></collision></link>\
+         <joint name='j' type='fixed'><parent>a</parent><child>imu</child></joint></robot>"
     );
     let (ok, list) = findings(&write(folder.path(), "r.urdf", text), &[]);
     assert!(!ok);

@@ -143,10 +143,10 @@ impl Expansion<'_> {
             all.join(" ")
         );
         let message = format!("macro '{name}' has no parameter {}", listed.join(", "));
-        let key = unknown.join(" ");
+        let both = format!("{name} {}", unknown.join(" "));
         let problem = self.no_parameter(message, found).or_meant(|| Some(advice));
         self.pass(Problem {
-            lacking: Some(Lacking::Parameter(name.to_owned(), key)),
+            lacking: Some(Lacking::Parameter(both)),
             ..problem
         })?;
         Ok(true)

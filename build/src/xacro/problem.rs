@@ -57,9 +57,8 @@ pub enum Lacking {
     Property(String),
     /// A macro.
     Macro(String),
-    /// A parameter of a macro, by their names: the macro uses it, and its definition does not list
-    /// it.
-    Parameter(String, String),
+    /// A parameter of a macro that uses it and does not list it, by the names of both.
+    Parameter(String),
     /// A variable of the environment, by its name.
     Variable(String),
     /// A tag that begins or ends an element.
