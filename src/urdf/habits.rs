@@ -36,7 +36,7 @@ pub(super) fn attribute(name: &str, known: &[&str]) -> String {
     did_you_mean(name, known.iter().copied())
 }
 
-/// What to write for an attribute that stands in an element of its own, or as the text of the element
+/// What to write for an attribute that stands in an element of its own, or as the text of the one
 /// that lacks it, as an SDF has it.
 pub(super) fn content(node: Node, name: &str) -> Option<String> {
     let called = if name == "filename" { "uri" } else { name };
