@@ -94,11 +94,12 @@ impl<'a> Pair<'a> {
             let near = (p - center).norm() <= radius + other.radius;
             near && is(other, solid, &Pose { R, p })
         };
-        let x = center.x + origin.x;
-        tree.worked_movers().any(|(place, _)| stands(place)) || {
-            let still = tree.contact.scenery.within([x - radius, x + radius]);
-            still.into_iter().any(|still| stands(still.place))
-        }
+        let there = center + origin;
+        let range = [there.x - radius, there.x + radius];
+        let still = tree.contact.scenery.within(range);
+        let mut near = still.filter(|still| still.is_near(&there, radius));
+        tree.worked_movers().any(|(place, _)| stands(place))
+            || near.any(|still| stands(still.place))
     }
 
     /// Their poses, from O of the first one's tree.

@@ -27,6 +27,12 @@ pub struct Still {
 }
 
 impl Still {
+    /// Whether it may have a point in another ball in the world, m.
+    pub fn is_near(&self, center: &Vec3, radius: f64) -> bool {
+        let reach = radius + self.radius;
+        (self.center - center).norm_squared() <= reach * reach
+    }
+
     /// m
     fn low(&self) -> f64 {
         self.center.x - self.radius

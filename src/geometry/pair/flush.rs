@@ -90,6 +90,9 @@ fn kept(on: &On, n: &Vec3, x: &Vec3) -> Option<Vec3> {
     // across the first, and the first is looked at once more.
     let mut gone: Option<Vec3> = None;
     for face in there().chain(there()) {
+        if !is_closed(&face, &d) {
+            continue;
+        }
         let open = there().filter(|open| open.0.dot(&d) > LEAN && !is_closed(open, &d));
         let over = way_over(open, &face.0, &d);
         let over = match gone {
@@ -97,7 +100,7 @@ fn kept(on: &On, n: &Vec3, x: &Vec3) -> Option<Vec3> {
             None => Some(over),
         };
         let lean = over.map_or(0.0, |over| over.dot(&d));
-        if lean > LEAN && is_closed(&face, &d) {
+        if lean > LEAN {
             d -= over.unwrap_or_default() * lean;
             gone = over;
         }

@@ -176,57 +176,93 @@ impl<'a> On<'a> {
             return false;
         };
         let (p, slack) = (self.p, others.level());
-        let wide = 2.0 * self.o.solid.reach;
-        let ball = (&(p.world(x) + origin), wide + 2.0 * slack);
-        let beyond = within + wall.0 * (wall.1 + slack - wall.0.dot(within));
-        let is_up = |(n, _): &Face| is_edge((n, d), wall);
-        others.any(self.first != *swapped, ball, &mut |other, X, stays| {
-            // From the axes of the solid to those of the other one.
+        let first = self.first != *swapped;
+        let place = p.world(x) + origin;
+        let ups = || p.solid.faces().filter(|(n, _)| is_edge((n, d), wall));
+        // The face of another one that is level with one of these, how high the place is over it,
+        // and that one.
+        let level = |other: &Solid, X: &Pose| {
             let back = X.inverse();
-            let seen = |x: &Vec3| back.point(&(p.world(x) + origin));
-            let covers = other.holds(&seen(&beyond), slack);
-            if covers && stays {
-                return true;
-            }
-            p.solid.faces().filter(is_up).any(|(up, _)| {
+            let seen = back.point(&place);
+            ups().find_map(|(up, _)| {
                 let out = p.R * up;
-                let found = other.level_face(&seen(x), &(back.R * out), slack);
-                let Some((level, over)) = found else {
-                    return false;
-                };
-                let there = Placed::new(other, X, origin);
-                let top = (out, out.dot(&p.world(x)) - over);
-                let is_shut = covers || other.has_faces() && self.lies_on(top, there.sides(level));
-                if is_shut && !stays {
-                    let least = lowest_of(places(self.o, &out), &out) - skin(self.o);
-                    self.rise.set(self.rise.get().min(least - top.1));
-                }
-                is_shut
+                let (face, over) = other.level_face(&seen, &(back.R * out), slack)?;
+                Some((face, over, out))
             })
+        };
+        let beyond = within + wall.0 * (wall.1 + slack - wall.0.dot(within));
+        let beyond = p.world(&beyond) + origin;
+        let covers = |other: &Solid, X: &Pose, stays: bool| {
+            let holds = other.holds(&X.inverse().point(&beyond), slack);
+            if stays || !holds {
+                return holds;
+            }
+            let found = level(other, X);
+            if let Some((_, over, out)) = found {
+                self.rises(&out, out.dot(&p.world(x)) - over);
+            }
+            found.is_some()
+        };
+        if others.any(first, (&place, 2.0 * slack), &mut { covers }) {
+            return true;
+        }
+        // Behind a gap: only what lies on one of these faces can lie on another one, too.
+        if !ups().any(|up| self.is_flat_on(p.face(up), slack)) {
+            return false;
+        }
+        let under = (&(self.o.p + origin), self.o.solid.reach + slack);
+        others.any(first, under, &mut |other, X, stays| {
+            let found = level(other, X).filter(|_| other.has_faces());
+            let Some((face, over, out)) = found else {
+                return false;
+            };
+            let top = (out, out.dot(&p.world(x)) - over);
+            let is_shut = self.lies_on(top, Placed::new(other, X, origin).sides(face));
+            if is_shut && !stays {
+                self.rises(&out, top.1);
+            }
+            is_shut
         })
     }
 
-    /// Whether the other one lies with a part of a face or of a flat end on a face within these
-    /// sides of it. A part that is no wider than they sink in may be what it has sunk in beside it.
-    fn lies_on(&self, (up, height): Face, sides: impl Iterator<Item = Face>) -> bool {
-        let (o, slack) = (
-            self.o,
-            self.others.map_or(0.0, |among| among.others.level()),
-        );
-        let mesh = &o.solid.mesh;
+    /// Notes how high the other one is along `up` over what moves against the solid, whose face is
+    /// at a height, m.
+    fn rises(&self, up: &Vec3, height: f64) {
+        let least = lowest_of(places(self.o, up), up) - skin(self.o);
+        self.rise.set(self.rise.get().min(least - height));
+    }
+
+    /// The corners of the face of the other one that is turned most against a direction; none of
+    /// what has no faces.
+    fn lowest_face(&self, up: &Vec3) -> Option<impl Iterator<Item = Vec3> + Clone + '_> {
+        let (o, mesh) = (self.o, &self.o.solid.mesh);
         let down = o.R.tr_mul(&-up);
         let steep = |a: &usize, b: &usize| {
             let [a, b] = [a, b].map(|i| mesh.normals[*i].dot(&down));
             a.total_cmp(&b)
         };
-        let Some(lowest) = (0..mesh.normals.len()).max_by(steep) else {
-            return false;
-        };
-        let corners = mesh.face(lowest).iter().map(|i| o.world(&mesh.corners[*i]));
-        let mut rises = corners.clone().map(|x| up.dot(&x) - height);
-        if rises.any(|rise| rise.abs() > o.solid.blend) {
+        let lowest = (0..mesh.normals.len()).max_by(steep)?;
+        Some(mesh.face(lowest).iter().map(|i| o.world(&mesh.corners[*i])))
+    }
+
+    /// Whether a face of the other one lies flat at the height of a face, or no farther from it
+    /// than `slack`, m.
+    fn is_flat_on(&self, (up, height): Face, slack: f64) -> bool {
+        let near = |x: Vec3| (up.dot(&x) - height).abs() <= self.o.solid.blend + slack;
+        let face = self.lowest_face(&up);
+        face.is_some_and(|mut corners| corners.all(near))
+    }
+
+    /// Whether the other one lies with a part of a face or of a flat end on a face within these
+    /// sides of it. A part that is no wider than they sink in may be what it has sunk in beside it.
+    fn lies_on(&self, (up, height): Face, sides: impl Iterator<Item = Face>) -> bool {
+        let slack = self.others.map_or(0.0, |among| among.others.level());
+        if !self.is_flat_on((up, height), 0.0) {
             return false;
         }
+        let Some(corners) = self.lowest_face(&up) else {
+            return false;
+        };
         let (mut one, mut two) = (Polygon::NONE, Polygon::NONE);
         one.take(corners);
         for (n, height) in sides {
