@@ -22,8 +22,8 @@ use std::cell::Cell;
 /// What else stands there where two shapes meet, and does not move with either of them.
 pub trait Others {
     /// Whether `is` says yes of any that comes near a ball, in the frame of both shapes: a solid,
-    /// where it stands, and whether it never moves against the one that it stands beside. It carries
-    /// what it touches together with the first or the second one.
+    /// where it stands, and whether it never moves against the one that it stands beside. It
+    /// carries what it touches together with the first or the second one.
     ///
     /// - `first`: whether it stands beside the first one
     fn any(

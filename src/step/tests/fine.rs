@@ -119,9 +119,9 @@ fn a_plate_that_comes_down_flush_beside_a_peak_goes_on() {
         .collect();
     let half = Vec3::new(0.0685, 0.04975, 0.00545);
     let at = Vec3::new(
-        0.013328379800831621,
-        0.014712939488330181,
-        0.19864038730216815,
+        0.013_328_379_800_831_621,
+        0.014_712_939_488_330_181,
+        0.198_640_387_302_168_15,
     );
     for tolerance in [1e-3, 1e-5, 1e-6] {
         let mut model = over(
@@ -131,14 +131,14 @@ fn a_plate_that_comes_down_flush_beside_a_peak_goes_on() {
         let root = model.roots.iter_mut().find(|root| root.position == at);
         let root = root.expect("the plate");
         root.rpy = Vec3::new(
-            -0.07579753718104598,
-            0.46046373837292043,
-            1.3985132404469858,
+            -0.075_797_537_181_045_98,
+            0.460_463_738_372_920_43,
+            1.398_513_240_446_985_8,
         );
         root.linear_velocity = Vec3::new(
-            -0.04765098589509556,
-            0.07710493264739776,
-            -0.0057976000069692585,
+            -0.047_650_985_895_095_56,
+            0.077_104_932_647_397_76,
+            -0.005_797_600_006_969_258_5,
         );
         for link in &mut model.links {
             link.friction = 1.0;
