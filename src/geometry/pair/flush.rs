@@ -61,8 +61,7 @@ pub(super) struct Kept {
     least: f64,
 }
 
-/// The direction out of `p` towards `o`, about the place `x` of the
-/// core of `p`, in place of `n`; none where it stays.
+/// The direction out of `p` towards `o`, about the place `x`, in place of `n`; none where it stays.
 ///
 /// A direction out of a corner is a sum of the normals of its faces, none of them negative: what it
 /// has of those of covered walls is left out. Beside an open face it leaves out what leads along
@@ -81,11 +80,12 @@ fn kept(on: &On, n: &Vec3, x: &Vec3) -> Option<Vec3> {
     {
         return None;
     }
-    let (core, out) = (p.R.tr_mul(&(x - p.p)), d);
-    let there = || p.solid.around(&core, &out);
-    let x = edge(&core, there().filter(|(n, _)| n.dot(&out) > LEAN));
+    let x = edge(p.solid, &p.R.tr_mul(&(x - p.p)), &d);
     let within = on.within(&x, &d);
     let is_closed = |face: &Face, d: &Vec3| on.is_closed(*face, (&x, &within), d);
+    let corner = farthest(p.solid, &d);
+    let walls = || p.solid.walls(&corner);
+    let there = || walls().filter(|(n, height)| n.dot(&corner) > height - SEAM);
     // Two walls at a corner need not be at right angles: what leads over the second one is taken
     // across the first, and the first is looked at once more.
     let mut gone: Option<Vec3> = None;
@@ -127,6 +127,17 @@ fn way_over(open: impl Iterator<Item = Face>, n: &Vec3, d: &Vec3) -> Vec3 {
     best.1
 }
 
+/// The corner of a polyhedron, or place on the rim of a cylinder, that is farthest along `d`.
+fn farthest(solid: &Solid, d: &Vec3) -> Vec3 {
+    if solid.round.is_some() {
+        let walls = solid.walls(d).filter(|(n, _)| n.dot(d) > 0.0);
+        return walls.map(|(n, height)| n * height).sum();
+    }
+    let corners = solid.mesh.corners.iter().copied();
+    let farther = |a: &Vec3, b: &Vec3| a.dot(d).total_cmp(&b.dot(d));
+    corners.max_by(farther).unwrap_or_default()
+}
+
 /// The place of a solid that is nearest to `x`, for faces at right angles.
 fn within(solid: &Solid, x: &Vec3) -> Vec3 {
     let mut x = *x;
@@ -136,12 +147,17 @@ fn within(solid: &Solid, x: &Vec3) -> Vec3 {
     x
 }
 
-/// The place near `x` on the edge between some faces: what stands beside a wall may leave a gap
-/// below that edge, into which nothing can come from above. Exact for faces at right angles.
-fn edge(x: &Vec3, faces: impl Iterator<Item = Face> + Clone) -> Vec3 {
-    let onto = |x: Vec3, (n, height): Face| x + n * (height - n.dot(&x));
-    let all = faces.clone().chain(faces.clone()).chain(faces);
-    all.fold(*x, onto)
+/// The place of a solid that is nearest to `x`, moved to the edge of the faces that the direction
+/// `d` leads out of: what stands beside a wall may leave a gap below that edge, into which nothing
+/// can come from above.
+fn edge(solid: &Solid, x: &Vec3, d: &Vec3) -> Vec3 {
+    let mut x = within(solid, x);
+    for (n, height) in solid.walls(d) {
+        if n.dot(d) > LEAN {
+            x += n * (height - n.dot(&x));
+        }
+    }
+    x
 }
 
 /// The direction between two solids, from `b` to `a`, where one of them has covered walls to which
@@ -162,7 +178,7 @@ pub(super) fn between(
     let radii = a.solid.radius + b.solid.radius;
     let of = |on: &On, n: &Vec3, first| {
         let (p, o) = (on.p, on.o);
-        let outward = kept(on, n, &(apart.middle - n * (0.5 * apart.distance)))?;
+        let outward = kept(on, n, &apart.middle)?;
         // Both cores are as far apart as the shapes and what has been taken off them.
         let top = outward.dot(&p.support(&outward)) - (o.solid.radius - skin(o));
         // What of the other one is beyond a covered wall lies on what is there, and may be lower.

@@ -156,8 +156,7 @@ impl<'a> On<'a> {
     /// one of them higher.
     pub(super) fn within(&self, x: &Vec3, d: &Vec3) -> Vec3 {
         let depth = self.others.map_or(0.0, |among| among.others.level());
-        let out = self.p.solid.around(x, d);
-        let out = out.filter(|(n, _)| n.dot(d) > LEAN);
+        let out = self.p.solid.walls(d).filter(|(n, _)| n.dot(d) > LEAN);
         out.fold(*x, |x, (n, height)| {
             x - n * (n.dot(&x) - (height - depth)).max(0.0)
         })
@@ -179,8 +178,7 @@ impl<'a> On<'a> {
         let (p, slack) = (self.p, others.level());
         let first = self.first != *swapped;
         let place = p.world(x) + origin;
-        let is_up = |(n, height): &Face| height - n.dot(x) <= slack && is_edge((n, d), wall);
-        let ups = || p.solid.faces().filter(is_up);
+        let ups = || p.solid.faces().filter(|(n, _)| is_edge((n, d), wall));
         // The face of another one that is level with one of these, how high the place is over it,
         // and that one.
         let level = |other: &Solid, X: &Pose| {
@@ -283,7 +281,7 @@ fn is_edge((up, d): (&Vec3, &Vec3), wall: Face) -> bool {
 /// What is asked of a solid beside another one, in its own axes.
 impl Solid {
     /// Flat faces of a polyhedron, and the ends of a cylinder.
-    pub(super) fn faces(&self) -> impl Iterator<Item = Face> + Clone + '_ {
+    pub(super) fn faces(&self) -> impl Iterator<Item = Face> + '_ {
         let mesh = &self.mesh;
         (0..mesh.normals.len()).map(|i| {
             let n = mesh.normals[i];
@@ -292,23 +290,11 @@ impl Solid {
     }
 
     /// All flat faces, and of a cylinder the wall at which a direction leads out of it.
-    pub(super) fn walls(&self, out: &Vec3) -> impl Iterator<Item = Face> + Clone + '_ {
+    pub(super) fn walls(&self, out: &Vec3) -> impl Iterator<Item = Face> + '_ {
         let side = Vec3::new(out.x, out.y, 0.0).try_normalize(f64::MIN_POSITIVE);
         let round = self.round.filter(|round| round.flat);
         let wall = round.and_then(|round| Some((side?, round.radius)));
         self.faces().chain(wall)
-    }
-
-    /// Those about a place in it: no farther from it than the nearest one by more than the rounding
-    /// of its edges. `out`: see [`Self::walls`].
-    pub(super) fn around(&self, x: &Vec3, out: &Vec3) -> impl Iterator<Item = Face> + Clone + '_ {
-        let x = *x;
-        let far = move |(n, height): &Face| height - n.dot(&x);
-        let walls = self.walls(out);
-        let least = walls
-            .clone()
-            .fold(f64::INFINITY, |least, wall| least.min(far(&wall)));
-        walls.filter(move |wall| far(wall) <= least + self.radius)
     }
 
     /// Walls that are upright on a face, along its edges.
