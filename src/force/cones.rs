@@ -12,7 +12,7 @@ use super::contact::{Contact, Response};
 use super::gather::ContactSet;
 use super::point::{ContactPoint, PointResponse};
 use super::terms::{Responses, Terms, Velocities};
-use crate::law::ElastoPlastic;
+use crate::law::{ElastoPlastic, Face, Limit as _};
 use crate::spatial::{Vec3, Vec6};
 
 /// By how much the friction cone of a contact that slips grows, N·s: along a direction, and along
@@ -25,7 +25,7 @@ impl Terms {
         let ContactSet { list, points, .. } = &mut self.contacts;
         for (contact, r) in list.iter_mut().zip(&responses.contacts) {
             let of = &responses.points[contact.points.clone()];
-            (contact.center, contact.radius) = contact.center_under(points, (r, of));
+            contact.stand(&contact.footing_under(points, (r, of)));
         }
     }
 
@@ -94,8 +94,9 @@ impl Terms {
         contacts
             .filter(|(_, r)| !r.slips())
             .fold(0.0, |most, (contact, r)| {
-                let excess = h * r.friction.force.norm() - contact.mu * r.load;
-                most.max(excess / contact.mass)
+                let force = r.friction.force * h;
+                let borne = contact.friction.limit.clip(force, contact.mu * r.load);
+                most.max((force - borne).norm() / contact.mass)
             })
     }
 
@@ -163,14 +164,15 @@ impl Terms {
     /// on all bodies about O.
     pub fn add_growth(
         &self,
-        responses: &Responses,
+        (responses, h): (&Responses, f64),
         (growth, part): (&[Growth], usize),
         F: &mut [Vec6],
     ) {
         let contacts = self.contacts.iter().zip(&responses.contacts);
         for ((contact, r), growth) in contacts.zip(growth) {
             if r.slips() {
-                contact.drag(&(r.friction.slip * -growth[part]), F);
+                let along = contact.friction.growth(&r.friction, h);
+                contact.drag(&(along * -growth[part]), F);
             }
         }
     }
@@ -206,7 +208,7 @@ impl Contact {
     /// in an impact, a damper in proportion to the normal force lets what sticks creep by less than
     /// one over the dissipation, at any speed. At rest the critical one is more.
     #[inline]
-    fn rubbing_under(&self, force: f64) -> ElastoPlastic<Vec3> {
+    fn rubbing_under(&self, force: f64) -> ElastoPlastic<Vec3, Face> {
         ElastoPlastic {
             cap: self.mu * force,
             damping: self.critical.max(self.dissipation * force),
@@ -220,7 +222,7 @@ impl Contact {
     fn may_lag(&self, r: &Response, h: f64) -> bool {
         let cap = self.mu * r.load / h;
         let sticks = !r.slips() && self.friction.cap > 0.0;
-        !(sticks && r.friction.force.norm_squared() <= cap * cap)
+        !(sticks && self.friction.limit.holds(&r.friction.force, cap))
     }
 
     /// Adds what friction would do more with the cone that belongs to the normal force of a
@@ -236,10 +238,12 @@ impl Contact {
         if !self.may_lag(r, h) {
             return false;
         }
-        let (center, radius) = self.center_under(points, (r, of));
+        let footing = self.footing_under(points, (r, of));
+        let (center, radius) = (footing.center, footing.radius);
         let W = self.relative(V);
         let u = self.sliding_at((&center, radius), &W);
-        let carried = self.rubbing_under(r.load / h);
+        let mut carried = self.rubbing_under(r.load / h);
+        carried.limit = footing.limit;
         let [before, after] =
             [r.friction.force, carried.respond(self.slid(&u), h).force].map(|f| f * -h);
         let [(force, moment), (other, turned)] = [
