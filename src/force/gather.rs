@@ -328,19 +328,30 @@ impl Contact {
         }
         let mut center = Vec3::zeros();
         for (i, p) in own.iter().enumerate() {
-            center += p.x * loads(i);
-        }
-        let way = self.friction.limit.way();
-        let slides = *way != Vec3::zeros();
-        let first = if slides { *way } else { across(&self.normal) };
-        let second = self.normal.cross(&first);
-        for (i, p) in own.iter().enumerate() {
-            let (load, apart) = (loads(i), p.x - center);
-            spread.add(load, [apart.dot(&first), apart.dot(&second)]);
+            let load = loads(i);
+            center += p.x * load;
             if let Some(rim) = &p.rim {
                 spread.discs[0] += load * rim.flatness * rim.radius;
                 spread.discs[1] += load * rim.flatness * rim.radius * rim.radius;
             }
+        }
+        let way = self.friction.limit.way();
+        if let [a, b] = own {
+            // Both are on one line through their centre.
+            let (_, apart) = normal_part(&self.normal, &(a.x - b.x));
+            let (share, squared) = (loads(0) * loads(1), apart.norm_squared());
+            let (x, y) = (apart.dot(way), apart.dot(&self.normal.cross(way)));
+            spread.mean = 2.0 * share * squared.sqrt();
+            spread.whole = share * squared;
+            spread.turned = [share * (2.0 * x * x - squared), share * (2.0 * x * y)];
+            return (center, spread);
+        }
+        let slides = *way != Vec3::zeros();
+        let first = if slides { *way } else { across(&self.normal) };
+        let second = self.normal.cross(&first);
+        for (i, p) in own.iter().enumerate() {
+            let apart = p.x - center;
+            spread.add(loads(i), [apart.dot(&first), apart.dot(&second)]);
         }
         (center, spread)
     }

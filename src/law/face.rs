@@ -182,6 +182,36 @@ impl Face {
         }
     }
 
+    /// The nearest force of the set to one that need not belong to it.
+    fn nearest(&self, y: Vec3, cap: f64) -> Borne<Vec3> {
+        let n = self.normal.dot(&y);
+        let along = y - self.normal * n;
+        let x = along.norm();
+        let arc = self.arc([x, n.abs()], cap);
+        let bound = arc.radius * cap;
+        if arc.squared <= bound * bound || arc.squared.is_nan() {
+            return Borne::all(y);
+        }
+        let inverse = 1.0 / arc.squared.sqrt();
+        let share = bound * inverse;
+        let slip = arc.apart.map(|x| x * inverse);
+        let [c, r] = [arc.center, [arc.radius; 2]];
+        let force = [0, 1].map(|i| cap * (c[i] + r[i] * slip[i]));
+        let (along, around) = if x > 0.0 {
+            (along * (1.0 / x), force[0] / x)
+        } else {
+            (Vec3::zeros(), share)
+        };
+        let normal = self.normal * n.signum();
+        let vector = |[x, z]: [f64; 2]| along * x + normal * z;
+        Borne {
+            force: vector(force),
+            share,
+            around,
+            slip: vector(slip),
+        }
+    }
+
     /// Derivative with the cap of a force on the edge of the set, of which `share` is that with
     /// the force that it is nearest to, along the edge: the centres of arcs move, and the
     /// direction from them, too.
@@ -225,33 +255,9 @@ impl Limit<Vec3> for Face {
         }
         let least = EVEN_LEAST * cap;
         if y.norm_squared() <= least * least {
-            return Borne::all(y);
-        }
-        let n = self.normal.dot(&y);
-        let along = y - self.normal * n;
-        let x = along.norm();
-        let arc = self.arc([x, n.abs()], cap);
-        let bound = arc.radius * cap;
-        if arc.squared <= bound * bound || arc.squared.is_nan() {
-            return Borne::all(y);
-        }
-        let inverse = 1.0 / arc.squared.sqrt();
-        let share = bound * inverse;
-        let slip = arc.apart.map(|x| x * inverse);
-        let [c, r] = [arc.center, [arc.radius; 2]];
-        let force = [0, 1].map(|i| cap * (c[i] + r[i] * slip[i]));
-        let (along, around) = if x > 0.0 {
-            (along * (1.0 / x), force[0] / x)
+            Borne::all(y)
         } else {
-            (Vec3::zeros(), share)
-        };
-        let normal = self.normal * n.signum();
-        let vector = |[x, z]: [f64; 2]| along * x + normal * z;
-        Borne {
-            force: vector(force),
-            share,
-            around,
-            slip: vector(slip),
+            self.nearest(y, cap)
         }
     }
 
