@@ -476,8 +476,8 @@ pub const EVEN_TURN: [f64; 2] = [0.145, 0.135];
 /// by: farther from each other no arc fits between
 /// (`the_forces_that_a_face_can_bear_have_a_smooth_edge`).
 pub const EVEN_BETWEEN: [f64; 2] = [0.4, 2.5];
-/// What all faces can bear in any direction, in caps: a force that is shorter need not be looked at.
-/// The least that one of them bears is 0.857; at 0.87 fails
+/// What all faces can bear in any direction, in caps: a force that is shorter need not be looked
+/// at. The least that one of them bears is 0.857; at 0.87 fails
 /// `a_face_slips_along_the_normal_of_the_forces_that_it_bears`.
 pub const EVEN_LEAST: f64 = 0.85;
 /// Thickness of a face of a hull, in penetrations: corners that lie so near one plane share its

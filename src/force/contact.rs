@@ -447,7 +447,7 @@ impl Contact {
         let friction = &r.friction;
         let slip = friction.slip.dot(u);
         let mut sum = h * friction.slope * (u.norm_squared() - slip * slip);
-        if friction.around != friction.slope {
+        if (friction.around - friction.slope).abs() > 0.0 {
             let around = self.normal.cross(&friction.slip);
             let along = around.dot(u);
             let whole = around.norm_squared().max(f64::MIN_POSITIVE);

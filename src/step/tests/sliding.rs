@@ -140,8 +140,8 @@ fn what_slides_and_spins_goes_as_far_as_its_points_do_together() {
     }
 }
 
-/// Yaw, rad, of a board of 1 kg and half of these lengths on the ground, that a ball which is driven
-/// across it at 0.02 m/s pushes for `way` from its long side, `off` its middle.
+/// Yaw, rad, of a board of 1 kg and half of these lengths on the ground, that a ball which is
+/// driven across it at 0.02 m/s pushes for `way` from its long side, `off` its middle.
 fn pushed(half: [f64; 2], off: f64, way: f64, step: f64) -> f64 {
     let (mu, thick) = (0.2, 1e-3);
     let half = Vec3::new(half[0], half[1], thick);
