@@ -7,82 +7,53 @@ use super::pairs::Pairs;
 use super::point::{ContactPoint, PointResponse, norm};
 use crate::geometry::pair::MOST_PARTS;
 use crate::kinematics::Kinematics;
-use crate::law::Face;
 use crate::model::Model;
 use crate::spatial::{Vec3, Vec6, across, angular};
 use crate::tree::Tree;
 use crate::tuning::{EVEN_DISC, EVEN_LINE, MIN_CORNERS};
 
-/// Where friction acts.
-pub(super) struct Footing {
-    /// See [`Contact::center`].
-    pub center: Vec3,
-    /// See [`Contact::radius`].
-    pub radius: f64,
-    /// Which forces it can bear there.
-    pub limit: Face,
-}
-
-/// How the load of a face is spread about its centre: sums over its points, where `x` and `y` are
-/// their distances from it along the way of sliding, or any direction across the normal, and across
-/// that.
-#[derive(Default)]
-struct Spread {
-    /// `Σ load²`
-    squares: f64,
-    /// `Σ load (x² + y²)`, m².
-    whole: f64,
-    /// `Σ load (x² − y²)` and `Σ load 2 x y`, m².
-    turned: [f64; 2],
-    /// `Σ load √(x² + y²)`, m.
-    mean: f64,
-    /// `Σ load R` and `Σ load R²` of what of the rims is flat, m and m².
-    discs: [f64; 2],
-}
-
-impl Spread {
-    fn add(&mut self, load: f64, [x, y]: [f64; 2]) {
-        self.squares += load * load;
-        self.whole += load * (x * x + y * y);
-        self.turned[0] += load * (x * x - y * y);
-        self.turned[1] += load * 2.0 * x * y;
-        self.mean += load * (x * x + y * y).sqrt();
+/// Mean distance of an even pressure from its middle, as a share of that of the points that carry
+/// it, which are its corners: on a regular polygon of `n` corners, with `φ = π/n`,
+///
+/// ```text
+/// ∫∫ r² dr dα/∫∫ r dr dα = R/3 (1 + cos φ ln(sec φ + tan φ)/tan φ)
+/// ```
+///
+/// and half of the half length on a line. Between them it goes with the square of `2 a b/(a² + b²)`
+/// of the root mean squares `a`, `b` of the distances along the principal axes, which for
+/// rectangles is right to 1 % and smooth where the corners come to stand in a line. As many
+/// corners as carry count, `1/Σ load²`, at least four, so that it does not jump where one of them
+/// leaves. A triangle has 0.46 and is given 0.54.
+///
+/// - `loads`: those of the points
+fn even_share(
+    (points, loads): (&[ContactPoint], impl Fn(usize) -> f64),
+    center: &Vec3,
+    normal: &Vec3,
+) -> f64 {
+    if points.len() < 3 {
+        return EVEN_LINE;
     }
-
-    /// Mean distance of an even pressure from its middle, m, over an area that so many points
-    /// carry.
-    fn radius(&self, points: usize) -> f64 {
-        let even = if points < 3 {
-            EVEN_LINE
-        } else {
-            self.even_share()
-        };
-        self.mean * even + EVEN_DISC * self.discs[0]
+    let (mut squares, mut whole, mut turned) = (0.0, 0.0, [0.0; 2]);
+    let first = across(normal);
+    let second = normal.cross(&first);
+    for (i, p) in points.iter().enumerate() {
+        let (load, apart) = (loads(i), p.x - center);
+        let (x, y) = (apart.dot(&first), apart.dot(&second));
+        squares += load * load;
+        whole += load * (x * x + y * y);
+        turned[0] += load * (x * x - y * y);
+        turned[1] += load * 2.0 * x * y;
     }
-
-    /// Mean distance of an even pressure from its middle, as a share of that of the points that
-    /// carry it, which are its corners: on a regular polygon of `n` corners, with `φ = π/n`,
-    ///
-    /// ```text
-    /// ∫∫ r² dr dα/∫∫ r dr dα = R/3 (1 + cos φ ln(sec φ + tan φ)/tan φ)
-    /// ```
-    ///
-    /// and half of the half length on a line. Between them it goes with the square of
-    /// `2 a b/(a² + b²)` of the root mean squares `a`, `b` of the distances along the principal
-    /// axes, which for rectangles is right to 1 % and smooth where the corners come to stand in a
-    /// line. As many corners as carry count, `1/Σ load²`, at least four, so that it does not jump
-    /// where one of them leaves. A triangle has 0.46 and is given 0.54.
-    fn even_share(&self) -> f64 {
-        let (whole, [a, b]) = (self.whole, self.turned);
-        let round = (whole * whole - a * a - b * b) / (whole * whole);
-        if self.squares <= 0.0 || round.is_nan() {
-            return EVEN_LINE;
-        }
-        let corners = (1.0 / self.squares).max(MIN_CORNERS);
-        let (sin, cos) = libm::sincos(std::f64::consts::PI / corners);
-        let regular = (1.0 + cos * cos / sin * libm::log((1.0 + sin) / cos)) / 3.0;
-        EVEN_LINE + round.max(0.0) * (regular - EVEN_LINE)
+    let [a, b] = turned;
+    let round = (whole * whole - a * a - b * b) / (whole * whole);
+    if squares <= 0.0 || round.is_nan() {
+        return EVEN_LINE;
     }
+    let corners = (1.0 / squares).max(MIN_CORNERS);
+    let (sin, cos) = libm::sincos(std::f64::consts::PI / corners);
+    let regular = (1.0 + cos * cos / sin * libm::log((1.0 + sin) / cos)) / 3.0;
+    EVEN_LINE + round.max(0.0) * (regular - EVEN_LINE)
 }
 
 /// Makes the sum of the loads 1; points of which none carries anything share it evenly.
@@ -124,9 +95,7 @@ impl Contact {
         if self.depth <= 0.0 {
             self.expect_load(points, V, h);
         }
-        let own = &points[self.points.clone()];
-        let (center, spread) = self.spread(own, |i| own[i].load);
-        (self.center, self.radius) = (center, spread.radius(own.len()));
+        self.center_on_load(points);
     }
 
     /// Finds the shares of the load to come: those of the depths to which the velocities take the
@@ -245,115 +214,45 @@ impl Contact {
             let own = points[self.points.clone()].iter();
             let mean: Vec3 = own.map(|p| p.normal * p.load).sum();
             self.normal = mean.try_normalize(0.0).unwrap_or(self.normal);
-            self.friction.limit.lean(&self.normal);
         }
     }
 
-    /// Puts friction to where the load is.
+    /// Finds the centre of the load and its mean distance from it.
     pub(crate) fn center_on_load(&mut self, points: &[ContactPoint]) {
         let own = &points[self.points.clone()];
-        let (center, spread) = self.spread(own, |i| own[i].load);
-        (self.center, self.radius) = (center, spread.radius(own.len()));
-        self.friction.limit = self.limit(&spread);
+        (self.center, self.radius) = self.center_of(own, |i| own[i].load);
     }
 
-    /// Finds which forces friction can bear, for sliding along the way in which it pulls at the
-    /// velocity `u` of the start.
-    pub(crate) fn slide_along(&mut self, points: &[ContactPoint], u: &Vec3) {
-        let friction = &self.friction;
-        let pull = friction.displacement * friction.stiffness + self.slid(u) * friction.damping;
-        let (_, way) = normal_part(&self.normal, &pull);
-        self.friction.limit = Face::point(&way.try_normalize(0.0).unwrap_or_default());
-        let own = &points[self.points.clone()];
-        self.friction.limit = self.limit(&self.spread(own, |i| own[i].load).1);
-    }
-
-    /// Lets friction act there.
-    pub(super) fn stand(&mut self, footing: &Footing) {
-        self.center = footing.center;
-        self.radius = footing.radius;
-        self.friction.limit = footing.limit;
-    }
-
-    /// Where the load is that it has at the end of a step; where it is if it has none.
-    pub(super) fn footing_under(
+    /// The same of the load that it has at the end of a step; as they are where it has none.
+    pub(super) fn center_under(
         &self,
         points: &[ContactPoint],
         (r, of): (&Response, &[PointResponse]),
-    ) -> Footing {
-        let own = &points[self.points.clone()];
+    ) -> (Vec3, f64) {
         let total: f64 = of.iter().map(|r| r.weight).sum();
         // Depths of round-off may press without having shares.
         if !r.presses() || total <= 0.0 {
-            return Footing {
-                center: self.center,
-                radius: self.radius,
-                limit: self.friction.limit,
-            };
+            return (self.center, self.radius);
         }
-        let (center, spread) = self.spread(own, |i| of[i].weight / total);
-        let radius = spread.radius(own.len());
-        // What stands on two points is a line whatever their shares are, and a rim is round.
-        let limit = self.friction.limit;
-        let same = own.len() < 3 && radius > 0.0 && !limit.is_point();
-        Footing {
-            center,
-            radius,
-            limit: if same { limit } else { self.limit(&spread) },
-        }
+        self.center_of(&points[self.points.clone()], |i| of[i].weight / total)
     }
 
-    /// Which forces a load with this spread lets friction bear.
-    fn limit(&self, spread: &Spread) -> Face {
-        let whole = spread.whole + spread.discs[1];
-        let way = self.friction.limit.way();
-        if whole <= 0.0 || whole.is_nan() {
-            return Face::point(way);
-        }
-        let mut turned = spread.turned.map(|x| x / whole);
-        // What is not pulled is no more pulled along one axis than along the other one.
-        if *way == Vec3::zeros() {
-            turned = [0.0, libm::hypot(turned[0], turned[1])];
-        }
-        Face::new((&self.normal, way), turned)
-    }
-
-    /// Centre of a load, and how it is spread about it.
-    ///
     /// - `loads`: shares of the load of its points `own`
-    fn spread(&self, own: &[ContactPoint], loads: impl Fn(usize) -> f64) -> (Vec3, Spread) {
-        let mut spread = Spread::default();
-        if let [ContactPoint { x, rim: None, .. }] = own {
-            return (*x, spread);
-        }
+    fn center_of(&self, own: &[ContactPoint], loads: impl Fn(usize) -> f64) -> (Vec3, f64) {
         let mut center = Vec3::zeros();
         for (i, p) in own.iter().enumerate() {
-            let load = loads(i);
-            center += p.x * load;
+            center += p.x * loads(i);
+        }
+        let mut radius = 0.0;
+        let even = even_share((own, &loads), &center, &self.normal);
+        for (i, p) in own.iter().enumerate() {
+            let (_, apart) = normal_part(&self.normal, &(p.x - center));
+            radius += loads(i) * apart.norm() * even;
             if let Some(rim) = &p.rim {
-                spread.discs[0] += load * rim.flatness * rim.radius;
-                spread.discs[1] += load * rim.flatness * rim.radius * rim.radius;
+                radius += loads(i) * EVEN_DISC * rim.radius * rim.flatness;
             }
         }
-        let way = self.friction.limit.way();
-        if let [a, b] = own {
-            // Both are on one line through their centre.
-            let (_, apart) = normal_part(&self.normal, &(a.x - b.x));
-            let (share, squared) = (loads(0) * loads(1), apart.norm_squared());
-            let (x, y) = (apart.dot(way), apart.dot(&self.normal.cross(way)));
-            spread.mean = 2.0 * share * squared.sqrt();
-            spread.whole = share * squared;
-            spread.turned = [share * (2.0 * x * x - squared), share * (2.0 * x * y)];
-            return (center, spread);
-        }
-        let slides = *way != Vec3::zeros();
-        let first = if slides { *way } else { across(&self.normal) };
-        let second = self.normal.cross(&first);
-        for (i, p) in own.iter().enumerate() {
-            let apart = p.x - center;
-            spread.add(loads(i), [apart.dot(&first), apart.dot(&second)]);
-        }
-        (center, spread)
+        (center, radius)
     }
 }
 
@@ -458,15 +357,14 @@ mod tests {
     #[test]
     fn an_even_pressure_has_the_lever_of_its_corners() {
         let share = |places: &[(f64, f64, f64)]| {
-            let middle = |of: fn(&(f64, f64, f64)) -> f64| -> f64 {
-                places.iter().map(|p| p.2 * of(p)).sum()
+            let point = |&(x, y, load): &(f64, f64, f64)| ContactPoint {
+                x: Vec3::new(x, y, 0.0),
+                load,
+                ..ContactPoint::default()
             };
-            let (x, y) = (middle(|p| p.0), middle(|p| p.1));
-            let mut spread = Spread::default();
-            for p in places {
-                spread.add(p.2, [p.0 - x, p.1 - y]);
-            }
-            spread.even_share()
+            let points: Vec<ContactPoint> = places.iter().map(point).collect();
+            let center = points.iter().map(|p| p.x * p.load).sum();
+            even_share((&points, |i| points[i].load), &center, &Vec3::z())
         };
         let polygon = |n: u32| {
             let corner = |i: u32| {

@@ -122,7 +122,6 @@ pub(crate) fn random_contact(
         ..Contact::default()
     };
     contact.gather(points, &vec![Vec6::default(); body + 1], 0.0);
-    contact.slide_along(points, &random.vector(1.0));
     contact
 }
 

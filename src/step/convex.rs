@@ -211,7 +211,7 @@ impl Newton {
     ///
     /// - `contacts`: those of this solve
     pub fn factor_for(&self, contacts: &ContactSet, next: &Self, p: &Problem) -> Option<&Factor> {
-        let regime = |r: &Response| (r.presses(), r.friction.around > 0.0, r.slips());
+        let regime = |r: &Response| (r.presses(), r.friction.slope > 0.0, r.slips());
         let now = p.terms.contacts.iter().zip(&next.responses.contacts);
         let then = contacts.iter().zip(&self.responses.contacts);
         let alike = self.factored
