@@ -84,6 +84,23 @@ def write(path, text):
     Path(path).write_text(text, encoding="utf8", errors="surrogateescape")
 
 
+def edit(file, numbers, change):
+    """Changes the first of some lines of a file that a function changes; whether there is one.
+
+    - `numbers`: counted from 1; what is outside of the file is passed over
+    - `change`: the new line of an old one
+    """
+    lines = read(file).split("\n")
+    for number in numbers:
+        old = lines[number - 1] if 0 < number <= len(lines) else ""
+        new = change(old)
+        if new != old:
+            lines[number - 1] = new
+            write(file, "\n".join(lines))
+            return True
+    return False
+
+
 class Remedies:
     """What was done so far to a file: the words of the command, and edits."""
 
@@ -229,15 +246,9 @@ class Remedies:
         file, line = self.place(finding)
         if not missing or not file or not line:
             return False
-        lines = read(file).split("\n")
-        for at in range(line - 1, max(0, line - 6) - 1, -1):
-            tag = re.search(r"<xacro:\w+", lines[at])
-            if tag:
-                given = missing[1].strip().replace("…", "x")
-                lines[at] = f"{lines[at][:tag.end()]} {given}{lines[at][tag.end():]}"
-                write(file, "\n".join(lines))
-                return True
-        return False
+        given = missing[1].strip().replace("…", "x")
+        return edit(file, range(line, line - 6, -1),
+                    lambda old: re.sub(r"<xacro:\w+", lambda tag: f"{tag[0]} {given}", old, count=1))
 
     def leave(self, finding):
         """An attribute of a call that the macro does not have."""
@@ -245,38 +256,25 @@ class Remedies:
         file, line = self.place(finding)
         if not more or not file or not line:
             return False
-        lines = read(file).split("\n")
-        for at in range(line - 1, min(len(lines), line + 8)):
-            without = re.sub(rf"\s{more[1]}=(\"[^\"]*\"|'[^']*')", "", lines[at], count=1)
-            if without != lines[at]:
-                lines[at] = without
-                write(file, "\n".join(lines))
-                return True
-        return False
+        written = rf"\s{more[1]}=(\"[^\"]*\"|'[^']*')"
+        return edit(file, range(line, line + 9), lambda old: re.sub(written, "", old, count=1))
 
     @staticmethod
     def in_tag(file, line, tag, new):
         """Replaces the beginning of the tag that stands in a line or shortly behind."""
-        lines = read(file).split("\n")
-        for at in range(line - 1, min(len(lines), line + 3)):
-            found = re.search(tag, lines[at])
-            if found and new not in lines[at]:
-                lines[at] = lines[at][:found.start()] + new + lines[at][found.end():]
-                write(file, "\n".join(lines))
-                return True
-        return False
+        return edit(file, range(line, line + 4),
+                    lambda old: old if new in old else re.sub(tag, lambda _: new, old, count=1))
 
     def parameters(self, finding):
         """The list of parameters of a macro."""
         new = PARAMETERS.search(finding["help"] or "")
         if not new or not Path(new[2]).is_file():
             return False
-        lines = read(new[2]).split("\n")
-        at = int(new[3]) - 1
-        tag = re.sub(r"\sparams=(\"[^\"]*\"|'[^']*')", "", lines[at])
-        lines[at] = tag.replace("<xacro:macro", f"<xacro:macro {new[1]}", 1)
-        write(new[2], "\n".join(lines))
-        return True
+
+        def change(old):
+            without = re.sub(r"\sparams=(\"[^\"]*\"|'[^']*')", "", old)
+            return without.replace("<xacro:macro", f"<xacro:macro {new[1]}", 1)
+        return edit(new[2], [int(new[3])], change)
 
     def prefix(self, finding):
         """Macros that are called without their prefix, with the tags that end them."""
