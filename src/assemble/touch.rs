@@ -65,8 +65,9 @@ pub(super) fn select(model: &mut Model, settings: &Settings, findings: &mut Find
 /// Warns of links that overlap, and by how much, m. Of a hand that is drawn folded these are a
 /// hundred pairs, which are one thing to look at.
 fn tell(model: &Model, drawn: &[([LinkId; 2], f64)], findings: &mut Findings) {
-    /// As many pairs are told each by itself, and of more these are listed.
-    const MOST: (usize, usize) = (3, 20);
+    /// As many pairs at most are told each by itself, and of more of them as many are listed.
+    const EACH: usize = 3;
+    const LISTED: usize = 20;
     let name = |link: LinkId| &model.links[link.index()].name;
     let overlap = |([a, b], depth): &([LinkId; 2], f64)| {
         let (a, b, depth) = (name(*a), name(*b), 1e3 * depth);
@@ -77,7 +78,7 @@ fn tell(model: &Model, drawn: &[([LinkId; 2], f64)], findings: &mut Findings) {
         let overlap = overlap(pair);
         format!("links {overlap} before anything moves, so they do not touch each other")
     };
-    if drawn.len() <= MOST.0 {
+    if drawn.len() <= EACH {
         for pair in drawn {
             findings.warning("A136", None, warning(pair), help);
         }
@@ -88,9 +89,9 @@ fn tell(model: &Model, drawn: &[([LinkId; 2], f64)], findings: &mut Findings) {
     let (first, others) = (deepest[0], &deepest[1..]);
     let count = others.len();
     let message = format!("{}; nor do those of {count} more pairs", warning(first));
-    let shown = others.iter().take(MOST.1).map(|pair| overlap(pair));
+    let shown = others.iter().take(LISTED).map(|pair| overlap(pair));
     let mut shown: Vec<String> = shown.collect();
-    if let more @ 1.. = count.saturating_sub(MOST.1) {
+    if let more @ 1.. = count.saturating_sub(LISTED) {
         shown.push(format!("and {more} more, which overlap less"));
     }
     let help = format!("{help}\n{}", shown.join("\n"));
