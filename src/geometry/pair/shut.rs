@@ -3,11 +3,11 @@
 //! A wall is shut where something stands against it, and where something goes on behind a gap at
 //! the height of the face that is looked at, as long as what lies on both cannot come down there.
 //!
-//! What stands on the same body, or does not move as the solid itself, is known beforehand. What
-//! moves against it is looked for at each query. The two may come apart, and something get between
-//! them, a wedge that lifts a block off its table. So it shuts a wall only where it goes on level
-//! with a face of the solid: over such a joint there is nothing to get between. Each of them has
-//! sunk by its own weight into what carries it, so that they are level but for such depths.
+//! What does so is looked for at each query, whether it moves against the solid or stands still as
+//! it does. What moves may come apart from it, and something get between the two, a wedge that
+//! lifts a block off its table. So that shuts a wall only where it goes on level with a face of the
+//! solid: over such a joint there is nothing to get between. Each of them has sunk by its own
+//! weight into what carries it, so that they are level but for such depths.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -179,16 +179,12 @@ impl<'a> On<'a> {
         let first = self.first != *swapped;
         let place = p.world(x) + origin;
         let ups = || p.solid.faces().filter(|(n, _)| is_edge((n, d), wall));
-        // The face of another one that is level with one of these, how high the place is over it,
-        // and that one.
-        let level = |other: &Solid, X: &Pose| {
-            let back = X.inverse();
-            let seen = back.point(&place);
-            ups().find_map(|(up, _)| {
-                let out = p.R * up;
-                let (face, over) = other.level_face(&seen, &(back.R * out), slack)?;
-                Some((face, over, out))
-            })
+        // The face of another one that is level with a face of the solid, and where it is along
+        // the normal of that.
+        let level = |other: &Solid, X: &Pose, up: &Vec3| {
+            let (back, out) = (X.inverse(), p.R * up);
+            let (face, over) = other.level_face(&back.point(&place), &(back.R * out), slack)?;
+            Some((face, (out, out.dot(&p.world(x)) - over)))
         };
         let beyond = within + wall.0 * (wall.1 + slack - wall.0.dot(within));
         let beyond = p.world(&beyond) + origin;
@@ -197,9 +193,9 @@ impl<'a> On<'a> {
             if stays || !holds {
                 return holds;
             }
-            let found = level(other, X);
-            if let Some((_, over, out)) = found {
-                self.rises(&out, out.dot(&p.world(x)) - over);
+            let found = ups().find_map(|(up, _)| level(other, X, &up));
+            if let Some((_, top)) = found {
+                self.rises(top);
             }
             found.is_some()
         };
@@ -207,34 +203,36 @@ impl<'a> On<'a> {
             return true;
         }
         // Behind a gap: only what lies on one of these faces can lie on another one, too.
-        if !ups().any(|up| self.is_flat_on(p.face(up), slack)) {
+        if !ups().any(|up| self.flat_on(p.face(up), slack).is_some()) {
             return false;
         }
         let under = (&(self.o.p + origin), self.o.solid.reach + slack);
         others.any(first, under, &mut |other, X, stays| {
-            let found = level(other, X).filter(|_| other.has_faces());
-            let Some((face, over, out)) = found else {
-                return false;
+            let lies = |(face, top): &(usize, Face)| {
+                self.lies_on(*top, Placed::new(other, X, origin).sides(*face))
             };
-            let top = (out, out.dot(&p.world(x)) - over);
-            let is_shut = self.lies_on(top, Placed::new(other, X, origin).sides(face));
-            if is_shut && !stays {
-                self.rises(&out, top.1);
+            let mut tops = ups().filter_map(|(up, _)| level(other, X, &up));
+            let found = tops.find(|found| other.has_faces() && lies(found));
+            if let Some((_, top)) = found.filter(|_| !stays) {
+                self.rises(top);
             }
-            is_shut
+            found.is_some()
         })
     }
 
-    /// Notes how high the other one is along `up` over what moves against the solid, whose face is
-    /// at a height, m.
-    fn rises(&self, up: &Vec3, height: f64) {
-        let least = lowest_of(places(self.o, up), up) - skin(self.o);
+    /// Notes how high the other one is over a face of what moves against the solid.
+    fn rises(&self, (up, height): Face) {
+        let least = lowest_of(places(self.o, &up), &up) - skin(self.o);
         self.rise.set(self.rise.get().min(least - height));
     }
 
-    /// The corners of the face of the other one that is turned most against a direction; none of
-    /// what has no faces.
-    fn lowest_face(&self, up: &Vec3) -> Option<impl Iterator<Item = Vec3> + Clone + '_> {
+    /// The corners of the face of the other one that is turned most against the normal of a face,
+    /// where it lies flat at its height, or no farther from it than `slack`, m.
+    fn flat_on(
+        &self,
+        (up, height): Face,
+        slack: f64,
+    ) -> Option<impl Iterator<Item = Vec3> + Clone + '_> {
         let (o, mesh) = (self.o, &self.o.solid.mesh);
         let down = o.R.tr_mul(&-up);
         let steep = |a: &usize, b: &usize| {
@@ -242,25 +240,16 @@ impl<'a> On<'a> {
             a.total_cmp(&b)
         };
         let lowest = (0..mesh.normals.len()).max_by(steep)?;
-        Some(mesh.face(lowest).iter().map(|i| o.world(&mesh.corners[*i])))
-    }
-
-    /// Whether a face of the other one lies flat at the height of a face, or no farther from it
-    /// than `slack`, m.
-    fn is_flat_on(&self, (up, height): Face, slack: f64) -> bool {
-        let near = |x: Vec3| (up.dot(&x) - height).abs() <= self.o.solid.blend + slack;
-        let face = self.lowest_face(&up);
-        face.is_some_and(|mut corners| corners.all(near))
+        let corners = mesh.face(lowest).iter().map(|i| o.world(&mesh.corners[*i]));
+        let near = |x: Vec3| (up.dot(&x) - height).abs() <= o.solid.blend + slack;
+        corners.clone().all(near).then_some(corners)
     }
 
     /// Whether the other one lies with a part of a face or of a flat end on a face within these
     /// sides of it. A part that is no wider than they sink in may be what it has sunk in beside it.
     fn lies_on(&self, (up, height): Face, sides: impl Iterator<Item = Face>) -> bool {
         let slack = self.others.map_or(0.0, |among| among.others.level());
-        if !self.is_flat_on((up, height), 0.0) {
-            return false;
-        }
-        let Some(corners) = self.lowest_face(&up) else {
+        let Some(corners) = self.flat_on((up, height), 0.0) else {
             return false;
         };
         let (mut one, mut two) = (Polygon::NONE, Polygon::NONE);
