@@ -23,6 +23,56 @@ use crate::spatial::Vec3;
 use crate::tuning::{EVEN_EDGE, LEAN, SEAM, STRAIGHT};
 
 impl Solid {
+    /// The faces that a direction out of it leads out of, at most three: of those about the place
+    /// that is farthest along it, the direction is a sum of their normals, none of them negative.
+    /// First comes the one to which it leans least.
+    ///
+    /// A box has no other faces to which a direction leads. Of a hull half of all faces lead to a
+    /// side, wherever they are.
+    ///
+    /// The normals of the faces about a corner are corners of a convex polygon on the sphere. The
+    /// direction is in it, in one of the triangles between the first normal and two that follow
+    /// each other. As seen from the first one, these are next to it on both sides.
+    pub(super) fn leads(&self, d: &Vec3) -> [Option<Face>; 3] {
+        let corner = self.farthest(d);
+        let there = || {
+            let walls = self.walls(&corner);
+            walls.filter(|(n, height)| n.dot(&corner) > height - SEAM)
+        };
+        let more = |a: &Face, b: &Face| a.0.dot(d).total_cmp(&b.0.dot(d));
+        let Some(first) = there().max_by(more) else {
+            return [None; 3];
+        };
+        let n = first.0;
+        let across = |v: &Vec3| v - n * n.dot(v);
+        let rest = across(d);
+        // Of the others: how far the rest leads along them, and how far they are to a side of it.
+        let others = there().filter_map(|face| {
+            let way = across(&face.0).try_normalize(LEAN)?;
+            Some((face, way, way.dot(&rest)))
+        });
+        let nearer = |a: &(Face, Vec3, f64), b: &(Face, Vec3, f64)| a.2.total_cmp(&b.2);
+        let Some((second, way, _)) = others.clone().max_by(nearer).filter(|it| it.2 > LEAN) else {
+            return [Some(first), None, None];
+        };
+        let side = |v: &Vec3| n.dot(&way.cross(v));
+        let beyond = side(&rest);
+        let third = others.filter(|(_, other, _)| side(other) * beyond > LEAN * beyond.abs());
+        let third = third.max_by(nearer).filter(|_| beyond.abs() > LEAN);
+        [Some(first), Some(second), third.map(|it| it.0)]
+    }
+
+    /// The corner of a polyhedron, or place on the rim of a cylinder, that is farthest along `d`.
+    fn farthest(&self, d: &Vec3) -> Vec3 {
+        if self.round.is_some() {
+            let walls = self.walls(d).filter(|(n, _)| n.dot(d) > 0.0);
+            return walls.map(|(n, height)| n * height).sum();
+        }
+        let corners = self.mesh.corners.iter().copied();
+        let farther = |a: &Vec3, b: &Vec3| a.dot(d).total_cmp(&b.dot(d));
+        corners.max_by(farther).unwrap_or_default()
+    }
+
     /// The part of a segment, from 0 to 1, that lies on one of its faces, with about that normal.
     pub fn carried(&self, [a, b]: [Vec3; 2], normal: &Vec3) -> Option<[f64; 2]> {
         if !self.is_polyhedron() {
@@ -73,19 +123,16 @@ fn kept(on: &On, n: &Vec3, x: &Vec3) -> Option<Vec3> {
         return None;
     }
     let mut d = p.R.tr_mul(n);
+    let faces = p.solid.leads(&d);
     // The normal of a face leans to no wall, and that of a wall stays.
-    if p.solid
-        .walls(&d)
-        .any(|(n, _)| (n - d).norm_squared() < LEAN * LEAN)
-    {
+    if faces[1].is_none() {
         return None;
     }
-    let x = edge(p.solid, &p.R.tr_mul(&(x - p.p)), &d);
+    let there = || faces.iter().copied().flatten();
+    let x = within(p.solid, &p.R.tr_mul(&(x - p.p)));
+    let x = edge(&x, there());
     let within = on.within(&x, &d);
     let is_closed = |face: &Face, d: &Vec3| on.is_closed(*face, (&x, &within), d);
-    let corner = farthest(p.solid, &d);
-    let walls = || p.solid.walls(&corner);
-    let there = || walls().filter(|(n, height)| n.dot(&corner) > height - SEAM);
     // Two walls at a corner need not be at right angles: what leads over the second one is taken
     // across the first, and the first is looked at once more.
     let mut gone: Option<Vec3> = None;
@@ -127,17 +174,6 @@ fn way_over(open: impl Iterator<Item = Face>, n: &Vec3, d: &Vec3) -> Vec3 {
     best.1
 }
 
-/// The corner of a polyhedron, or place on the rim of a cylinder, that is farthest along `d`.
-fn farthest(solid: &Solid, d: &Vec3) -> Vec3 {
-    if solid.round.is_some() {
-        let walls = solid.walls(d).filter(|(n, _)| n.dot(d) > 0.0);
-        return walls.map(|(n, height)| n * height).sum();
-    }
-    let corners = solid.mesh.corners.iter().copied();
-    let farther = |a: &Vec3, b: &Vec3| a.dot(d).total_cmp(&b.dot(d));
-    corners.max_by(farther).unwrap_or_default()
-}
-
 /// The place of a solid that is nearest to `x`, for faces at right angles.
 fn within(solid: &Solid, x: &Vec3) -> Vec3 {
     let mut x = *x;
@@ -147,14 +183,20 @@ fn within(solid: &Solid, x: &Vec3) -> Vec3 {
     x
 }
 
-/// The place of a solid that is nearest to `x`, moved to the edge of the faces that the direction
-/// `d` leads out of: what stands beside a wall may leave a gap below that edge, into which nothing
-/// can come from above.
-fn edge(solid: &Solid, x: &Vec3, d: &Vec3) -> Vec3 {
-    let mut x = within(solid, x);
-    for (n, height) in solid.walls(d) {
-        if n.dot(d) > LEAN {
-            x += n * (height - n.dot(&x));
+/// The place of a solid that is nearest to `x`, moved to the edge of some of its faces: what stands
+/// beside a wall may leave a gap below that edge, into which nothing can come from above.
+///
+/// Each face is met across those before it, along which these are not left.
+fn edge(x: &Vec3, faces: impl Iterator<Item = Face>) -> Vec3 {
+    let (mut x, mut met) = (*x, [Vec3::zeros(); 2]);
+    for (i, (n, height)) in faces.enumerate() {
+        let across = met.iter().fold(n, |n, met| n - met * met.dot(&n));
+        let Some(way) = across.try_normalize(LEAN) else {
+            continue;
+        };
+        x += way * ((height - n.dot(&x)) / way.dot(&n));
+        if let Some(met) = met.get_mut(i) {
+            *met = way;
         }
     }
     x

@@ -16,7 +16,7 @@ use super::lowest::{lowest_of, places, skin};
 use super::placed::{Face, Placed};
 use super::polygon::Polygon;
 use crate::spatial::{Pose, Vec3};
-use crate::tuning::{EVEN_EDGE, LEAN, SEAM, STRAIGHT};
+use crate::tuning::{EVEN_EDGE, SEAM, STRAIGHT};
 use std::cell::Cell;
 
 /// What else stands there where two shapes meet, and does not move with either of them.
@@ -156,8 +156,8 @@ impl<'a> On<'a> {
     /// one of them higher.
     pub(super) fn within(&self, x: &Vec3, d: &Vec3) -> Vec3 {
         let depth = self.others.map_or(0.0, |among| among.others.level());
-        let out = self.p.solid.walls(d).filter(|(n, _)| n.dot(d) > LEAN);
-        out.fold(*x, |x, (n, height)| {
+        let out = self.p.solid.leads(d);
+        out.iter().flatten().fold(*x, |x, (n, height)| {
             x - n * (n.dot(&x) - (height - depth)).max(0.0)
         })
     }
@@ -178,7 +178,9 @@ impl<'a> On<'a> {
         let (p, slack) = (self.p, others.level());
         let first = self.first != *swapped;
         let place = p.world(x) + origin;
-        let ups = || p.solid.faces().filter(|(n, _)| is_edge((n, d), wall));
+        let faces = p.solid.leads(d);
+        let there = || faces.iter().copied().flatten();
+        let ups = || there().filter(|(n, _)| is_edge((n, d), wall));
         // The face of another one that is level with a face of the solid, and where it is along
         // the normal of that.
         let level = |other: &Solid, X: &Pose, up: &Vec3| {
@@ -270,7 +272,7 @@ fn is_edge((up, d): (&Vec3, &Vec3), wall: Face) -> bool {
 /// What is asked of a solid beside another one, in its own axes.
 impl Solid {
     /// Flat faces of a polyhedron, and the ends of a cylinder.
-    pub(super) fn faces(&self) -> impl Iterator<Item = Face> + '_ {
+    pub(super) fn faces(&self) -> impl Iterator<Item = Face> + Clone + '_ {
         let mesh = &self.mesh;
         (0..mesh.normals.len()).map(|i| {
             let n = mesh.normals[i];
@@ -279,7 +281,7 @@ impl Solid {
     }
 
     /// All flat faces, and of a cylinder the wall at which a direction leads out of it.
-    pub(super) fn walls(&self, out: &Vec3) -> impl Iterator<Item = Face> + '_ {
+    pub(super) fn walls(&self, out: &Vec3) -> impl Iterator<Item = Face> + Clone + '_ {
         let side = Vec3::new(out.x, out.y, 0.0).try_normalize(f64::MIN_POSITIVE);
         let round = self.round.filter(|round| round.flat);
         let wall = round.and_then(|round| Some((side?, round.radius)));
