@@ -6,10 +6,10 @@
 //! never leans towards a wall that another one covers there: what the direction has along the
 //! normal of that wall is left out. Between two level plates, the normal is that of both.
 //!
-//! The same holds for a plate whose top is level with the ground, and for two things whose tops are
-//! level with a gap between them, as long as a part of a face or of the flat end of what slides
-//! lies on the one where it comes to the other one. What rolls comes down into a gap, and meets its
-//! edge. Of a cylinder that stands there the wall is that at which the direction leads out of it.
+//! The same holds for a plate whose top is level with the ground. And where two things have faces
+//! that are level, with a gap between both, what lies flat on them with a part of a face or of the
+//! flat end of a cylinder comes against the face of the one or of the other, and against nothing
+//! else of them. What rolls comes down into a gap, and meets its edge.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -23,56 +23,6 @@ use crate::spatial::Vec3;
 use crate::tuning::{EVEN_EDGE, LEAN, SEAM, STRAIGHT};
 
 impl Solid {
-    /// The faces that a direction out of it leads out of, at most three: of those about the place
-    /// that is farthest along it, the direction is a sum of their normals, none of them negative.
-    /// First comes the one to which it leans least.
-    ///
-    /// A box has no other faces to which a direction leads. Of a hull half of all faces lead to a
-    /// side, wherever they are.
-    ///
-    /// The normals of the faces about a corner are corners of a convex polygon on the sphere. The
-    /// direction is in it, in one of the triangles between the first normal and two that follow
-    /// each other. As seen from the first one, these are next to it on both sides.
-    pub(super) fn leads(&self, d: &Vec3) -> [Option<Face>; 3] {
-        let corner = self.farthest(d);
-        let there = || {
-            let walls = self.walls(&corner);
-            walls.filter(|(n, height)| n.dot(&corner) > height - SEAM)
-        };
-        let more = |a: &Face, b: &Face| a.0.dot(d).total_cmp(&b.0.dot(d));
-        let Some(first) = there().max_by(more) else {
-            return [None; 3];
-        };
-        let n = first.0;
-        let across = |v: &Vec3| v - n * n.dot(v);
-        let rest = across(d);
-        // Of the others: how far the rest leads along them, and how far they are to a side of it.
-        let others = there().filter_map(|face| {
-            let way = across(&face.0).try_normalize(LEAN)?;
-            Some((face, way, way.dot(&rest)))
-        });
-        let nearer = |a: &(Face, Vec3, f64), b: &(Face, Vec3, f64)| a.2.total_cmp(&b.2);
-        let Some((second, way, _)) = others.clone().max_by(nearer).filter(|it| it.2 > LEAN) else {
-            return [Some(first), None, None];
-        };
-        let side = |v: &Vec3| n.dot(&way.cross(v));
-        let beyond = side(&rest);
-        let third = others.filter(|(_, other, _)| side(other) * beyond > LEAN * beyond.abs());
-        let third = third.max_by(nearer).filter(|_| beyond.abs() > LEAN);
-        [Some(first), Some(second), third.map(|it| it.0)]
-    }
-
-    /// The corner of a polyhedron, or place on the rim of a cylinder, that is farthest along `d`.
-    fn farthest(&self, d: &Vec3) -> Vec3 {
-        if self.round.is_some() {
-            let walls = self.walls(d).filter(|(n, _)| n.dot(d) > 0.0);
-            return walls.map(|(n, height)| n * height).sum();
-        }
-        let corners = self.mesh.corners.iter().copied();
-        let farther = |a: &Vec3, b: &Vec3| a.dot(d).total_cmp(&b.dot(d));
-        corners.max_by(farther).unwrap_or_default()
-    }
-
     /// The part of a segment, from 0 to 1, that lies on one of its faces, with about that normal.
     pub fn carried(&self, [a, b]: [Vec3; 2], normal: &Vec3) -> Option<[f64; 2]> {
         if !self.is_polyhedron() {
@@ -109,6 +59,8 @@ pub(super) struct Kept {
     pub(super) distance: f64,
     /// How high along it that is which is nearest to the solid, m.
     least: f64,
+    /// The face of the solid on which the other one lies flat, if it lies on something beside it.
+    flat: Option<Face>,
 }
 
 /// The direction out of `p` towards `o`, about the place `x`, in place of `n`; none where it stays.
@@ -117,20 +69,27 @@ pub(super) struct Kept {
 /// has of those of covered walls is left out. Beside an open face it leaves out what leads along
 /// that over the edge to the wall, which at the toe of a wedge on the ground is nearly all.
 /// (`what_slides_onto_a_wedge_climbs_it`)
-fn kept(on: &On, n: &Vec3, x: &Vec3) -> Option<Vec3> {
+fn kept(on: &On, n: &Vec3, x: &Vec3) -> Option<(Vec3, Option<Face>)> {
     let p = on.p;
     if on.is_alone() || !p.solid.has_faces() {
         return None;
     }
     let mut d = p.R.tr_mul(n);
     let faces = p.solid.leads(&d);
-    // The normal of a face leans to no wall, and that of a wall stays.
-    if faces[1].is_none() {
+    let there = || faces.iter().copied().flatten();
+    let is_face = faces[1].is_none();
+    if is_face && there().all(|face| on.is_flat_on(face)) {
         return None;
     }
-    let there = || faces.iter().copied().flatten();
     let x = within(p.solid, &p.R.tr_mul(&(x - p.p)));
     let x = edge(&x, there());
+    if let Some(face) = on.flat(&x, &d) {
+        return Some((p.R * face.0, Some(face)));
+    }
+    // The normal of a face leans to no wall, and that of a wall stays.
+    if is_face {
+        return None;
+    }
     let within = on.within(&x, &d);
     let is_closed = |face: &Face, d: &Vec3| on.is_closed(*face, (&x, &within), d);
     // Two walls at a corner need not be at right angles: what leads over the second one is taken
@@ -154,7 +113,7 @@ fn kept(on: &On, n: &Vec3, x: &Vec3) -> Option<Vec3> {
     }
     // What points straight into a wall is deep in both solids, or in the corner between them.
     let d = d.try_normalize(STRAIGHT)?;
-    gone.map(|_| p.R * d)
+    gone.map(|_| (p.R * d, None))
 }
 
 /// The way along one of some open faces over its edge to a wall with the normal `n`: of the face
@@ -220,11 +179,11 @@ pub(super) fn between(
     let radii = a.solid.radius + b.solid.radius;
     let of = |on: &On, n: &Vec3, first| {
         let (p, o) = (on.p, on.o);
-        let outward = kept(on, n, &apart.middle)?;
+        let (outward, flat) = kept(on, n, &apart.middle)?;
         // Both cores are as far apart as the shapes and what has been taken off them.
         let top = outward.dot(&p.support(&outward)) - (o.solid.radius - skin(o));
         // What of the other one is beyond a covered wall lies on what is there, and may be lower.
-        let over = places(o, &outward).filter(|x| is_over(on, &outward, x));
+        let over = places(o, &outward).filter(|x| is_over(on, (&outward, flat), x));
         let mut least = lowest_of(over, &outward);
         if least.is_infinite() {
             least = top + separation(o, p, &outward);
@@ -235,6 +194,7 @@ pub(super) fn between(
             outward,
             distance,
             least,
+            flat,
         })
     };
     let [below, above] =
@@ -253,11 +213,15 @@ pub(super) fn between(
     }
 }
 
-/// Whether a place is on the solid's own side of all its walls that are covered, or bridged along
-/// `up` by `o`.
-fn is_over(on: &On, up: &Vec3, x: &Vec3) -> bool {
+/// Whether a place is on the solid's own side of all its walls that are covered along `up`, or of
+/// all walls about the face on which the other one lies.
+fn is_over(on: &On, (up, flat): (&Vec3, Option<Face>), x: &Vec3) -> bool {
     let p = on.p;
     let (x, up) = (p.R.tr_mul(&(x - p.p)), p.R.tr_mul(up));
+    if flat.is_some() {
+        let mut walls = p.solid.walls(&x).filter(|face| Some(*face) != flat);
+        return walls.all(|(n, height)| n.dot(&x) <= height);
+    }
     let place = within(p.solid, &x);
     let within = on.within(&place, &up);
     let mut walls = p.solid.walls(&x);
@@ -284,7 +248,7 @@ pub(super) fn lowest(
     let total: f64 = places(on, &up).map(|x| weight(&x)).sum();
     for x in places(on, &up) {
         let (share, gap) = (left * weight(&x) / total, gap + rise(&x));
-        if share > 0.0 && is_over(&under, &up, &x) {
+        if share > 0.0 && is_over(&under, (&up, kept.flat), &x) {
             let middle = x - up * (skin(on) + 0.5 * gap);
             points.add(0, point(middle, -gap, share));
         }

@@ -46,6 +46,7 @@ mod flush;
 mod foot;
 mod gjk;
 mod hollow;
+mod leads;
 mod lifts;
 mod lowest;
 mod meet;

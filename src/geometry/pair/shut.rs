@@ -1,10 +1,11 @@
-//! Which walls of a solid are shut, so that nothing can come against them.
+//! Which walls of a solid are shut, so that nothing can come against them, and which face is all of
+//! it that what lies on something beside it can come against.
 //!
-//! A wall is shut where something stands against it, and where something goes on behind a gap at
-//! the height of the face that is looked at, as long as what lies on both cannot come down there.
+//! A wall is shut where something stands against it. What lies on something that is level with a
+//! face of the solid, with a gap between both, cannot come down beside it: it is over all of it.
 //!
-//! What does so is looked for at each query, whether it moves against the solid or stands still as
-//! it does. What moves may come apart from it, and something get between the two, a wedge that
+//! Both are looked for at each query, whether it moves against the solid or stands still
+//! as it does. What moves may come apart from it, and something get between the two, a wedge that
 //! lifts a block off its table. So that shuts a wall only where it goes on level with a face of the
 //! solid: over such a joint there is nothing to get between. Each of them has sunk by its own
 //! weight into what carries it, so that they are level but for such depths.
@@ -181,13 +182,6 @@ impl<'a> On<'a> {
         let faces = p.solid.leads(d);
         let there = || faces.iter().copied().flatten();
         let ups = || there().filter(|(n, _)| is_edge((n, d), wall));
-        // The face of another one that is level with a face of the solid, and where it is along
-        // the normal of that.
-        let level = |other: &Solid, X: &Pose, up: &Vec3| {
-            let (back, out) = (X.inverse(), p.R * up);
-            let (face, over) = other.level_face(&back.point(&place), &(back.R * out), slack)?;
-            Some((face, (out, out.dot(&p.world(x)) - over)))
-        };
         let beyond = within + wall.0 * (wall.1 + slack - wall.0.dot(within));
         let beyond = p.world(&beyond) + origin;
         let covers = |other: &Solid, X: &Pose, stays: bool| {
@@ -195,31 +189,72 @@ impl<'a> On<'a> {
             if stays || !holds {
                 return holds;
             }
-            let found = ups().find_map(|(up, _)| level(other, X, &up));
-            if let Some((_, top)) = found {
+            let top = ups().find_map(|(up, _)| self.level((other, X), (x, &up)));
+            if let Some((_, top)) = top {
                 self.rises(top);
             }
-            found.is_some()
+            top.is_some()
         };
-        if others.any(first, (&place, 2.0 * slack), &mut { covers }) {
-            return true;
-        }
-        // Behind a gap: only what lies on one of these faces can lie on another one, too.
-        if !ups().any(|up| self.flat_on(p.face(up), slack).is_some()) {
-            return false;
-        }
-        let under = (&(self.o.p + origin), self.o.solid.reach + slack);
-        others.any(first, under, &mut |other, X, stays| {
-            let lies = |(face, top): &(usize, Face)| {
-                self.lies_on(*top, Placed::new(other, X, origin).sides(*face))
-            };
-            let mut tops = ups().filter_map(|(up, _)| level(other, X, &up));
-            let found = tops.find(|found| other.has_faces() && lies(found));
-            if let Some((_, top)) = found.filter(|_| !stays) {
-                self.rises(top);
+        others.any(first, (&place, 2.0 * slack), &mut { covers })
+    }
+
+    /// The face of the solid on which the other one lies flat, while it lies on something else that
+    /// is level with it, too, with a gap between both or without: it is over all of the solid then,
+    /// and its edge comes against nothing of that but this face. In the axes of the solid.
+    ///
+    /// - `x`, `d`: where it is that it comes to the solid, and the direction that leads there
+    pub(super) fn flat(&self, x: &Vec3, d: &Vec3) -> Option<Face> {
+        let Among {
+            others,
+            origin,
+            swapped,
+        } = self.others?;
+        let (p, o, slack) = (self.p, self.o, others.level());
+        let first = self.first != *swapped;
+        let under = (&(o.p + origin), o.solid.reach + slack);
+        // What comes to the solid is an edge of a face that lies on it, or what is between both.
+        let foremost = o.solid.foremost(&o.R.tr_mul(&(p.R * -d)));
+        let mut ups = foremost.filter_map(|(down, _)| {
+            let against = p.R.tr_mul(&(o.R * down));
+            let steep = |a: &Face, b: &Face| a.0.dot(&against).total_cmp(&b.0.dot(&against));
+            let up = p.solid.faces().min_by(steep)?;
+            (up.0.dot(d) > STRAIGHT).then_some(up)
+        });
+        ups.find(|up| {
+            if self.flat_on(p.face(*up), slack).is_none() {
+                return false;
             }
-            found.is_some()
+            let x = x + up.0 * (up.1 - up.0.dot(x));
+            others.any(first, under, &mut |other, X, stays| {
+                let Some((face, top)) = self.level((other, X), (&x, &up.0)) else {
+                    return false;
+                };
+                let beside = Placed::new(other, X, origin);
+                let lies = other.has_faces() && self.lies_on(top, beside.sides(face));
+                if lies && !stays {
+                    self.rises(top);
+                }
+                lies
+            })
         })
+    }
+
+    /// Whether the other one lies flat on a face of the solid.
+    pub(super) fn is_flat_on(&self, face: Face) -> bool {
+        let slack = self.others.map_or(0.0, |among| among.others.level());
+        self.flat_on(self.p.face(face), slack).is_some()
+    }
+
+    /// The face of another one that is level with a face of the solid, and where it is along the
+    /// normal of that.
+    ///
+    /// - `x`, `up`: a place on the face of the solid, and its normal
+    fn level(&self, (other, X): (&Solid, &Pose), (x, up): (&Vec3, &Vec3)) -> Option<(usize, Face)> {
+        let Among { others, origin, .. } = self.others?;
+        let (place, back, out) = (self.p.world(x), X.inverse(), self.p.R * up);
+        let seen = back.point(&(place + origin));
+        let (face, over) = other.level_face(&seen, &(back.R * out), others.level())?;
+        Some((face, (out, out.dot(&place) - over)))
     }
 
     /// Notes how high the other one is over a face of what moves against the solid.
@@ -266,7 +301,7 @@ impl<'a> On<'a> {
 
 /// Whether over a wall the direction `d` leads out of a face with the normal `up`, too.
 fn is_edge((up, d): (&Vec3, &Vec3), wall: Face) -> bool {
-    up.dot(d) > STRAIGHT && up.dot(&wall.0) < EVEN_EDGE
+    up.dot(d) > STRAIGHT && (up - wall.0).norm() >= EVEN_EDGE
 }
 
 /// What is asked of a solid beside another one, in its own axes.

@@ -7,6 +7,7 @@ mod depths;
 mod distances;
 mod heights;
 mod jumps;
+mod leads;
 pub(crate) mod lifts;
 mod meshes;
 mod nearby;
