@@ -30,8 +30,12 @@ const FILLING: Shape = Shape::Sphere { radius: 0.05 };
 /// freely. Far above the round-off of a mass matrix, far below any real mechanism.
 const SMALLEST_SHARE: f64 = 1e-11;
 
-/// Smallest inertia of a degree of freedom, kg·m² or kg: a grain of sand at its own radius.
-const SMALLEST_INERTIA: f64 = 1e-16;
+/// Smallest radius of gyration of what turns, m: that of a row of a hundred atoms. What is written
+/// with less has no inertia. An inertia by itself says nothing: a grain of sand of 0.1 mm has
+/// 1e-18 kg·m², with which a wheel of 1 kg has no finite acceleration. At 1e-10 fails
+/// `each_number_of_a_urdf_is_refused_or_gives_finite_results`, at 1e-4
+/// `a_grain_of_a_tenth_of_a_millimetre_has_inertia`.
+const SMALLEST_GYRATION: f64 = 1e-8;
 
 /// Gives links whose `<inertia>` is singular that of their shapes where the robot could not move
 /// otherwise, then those that are left what the settings say, and reports degrees of freedom that
@@ -204,13 +208,15 @@ fn weak(model: &Model, poses: &Poses) -> Weak {
         }
     }
     let diagonal = M.diagonal();
+    let carried = carried_masses(model);
     let mut weak = Vec::new();
     for i in (0..n).rev() {
         let pivot = M[(i, i)];
         if !pivot.is_finite() || !diagonal[i].is_finite() {
             return Weak::NotFinite;
         }
-        if pivot <= SMALLEST_INERTIA.max(SMALLEST_SHARE * diagonal[i]) {
+        let least = carried[model.dofs[i].body.index()] * SMALLEST_GYRATION * SMALLEST_GYRATION;
+        if pivot <= least.max(SMALLEST_SHARE * diagonal[i]) {
             weak.push(i);
             continue;
         }
@@ -224,6 +230,21 @@ fn weak(model: &Model, poses: &Poses) -> Weak {
         }
     }
     Weak::Dofs(weak)
+}
+
+/// Mass of each body with all that it carries, kg.
+fn carried_masses(model: &Model) -> Vec<f64> {
+    let mut masses = vec![0.0; model.bodies.len()];
+    for link in &model.links {
+        masses[link.body.index()] += link.inertia.mass;
+    }
+    // Parents precede their children.
+    for (b, body) in model.bodies.iter().enumerate().rev() {
+        if let Some(parent) = body.parent {
+            masses[parent.index()] += masses[b];
+        }
+    }
+    masses
 }
 
 /// Columns of row `i` of the packed mass matrix.

@@ -124,6 +124,25 @@ fn a_shape_without_width_is_no_help_to_a_link_without_inertia() {
     assert_eq!(error(&robot(thing), "").code, "A104");
 }
 
+/// A ball of quartz of 0.1 mm: 1.4 µg and, as a solid of this radius, 1.4e-18 kg m². A wheel of
+/// 1 kg with as much was written without inertia.
+#[test]
+fn a_grain_of_a_tenth_of_a_millimetre_has_inertia() {
+    let (mass, radius) = (1.4e-9, 5e-5);
+    let of = |mass: f64| {
+        let mut grain = point("grain", mass, Vec3::zeros());
+        if let Some(inertia) = &mut grain.inertial {
+            inertia.I_cm = Mat3::identity() * 0.4 * 1.4e-9 * radius * radius;
+        }
+        grain
+    };
+    let built = assembled(&robot(of(mass)), "");
+    assert!(!has(&built, "A123"));
+    let I = built.model.links[0].inertia.I_cm;
+    assert!((I[(0, 0)] / (0.4 * mass * radius * radius) - 1.0).abs() < 1e-12);
+    assert_eq!(error(&robot(of(1.0)), "").code, "A104");
+}
+
 #[test]
 fn an_inertia_of_zeros_is_that_of_the_shapes_where_the_link_could_not_move() {
     // As PyBullet's random_urdfs: a mass, zeros, a collision shape. A ball has (2/5) m r².
