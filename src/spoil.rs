@@ -166,7 +166,7 @@ spoil!(ContactPoint: corner x normal row arm depth share load rim;);
 spoil!(ContactSet: list points depths; pairs);
 spoil!(Stiffening: stiffness reference;);
 spoil!(Damping: dissipation fastest power;);
-spoil!(Turn: contact body other slot normal coefficient load critical torsional rolling;);
+spoil!(Turn: contact body other slot normal coefficient load stiffened critical torsional rolling;);
 impl Spoil for JointTerm {
     /// What is the same in every step stays: which degree of freedom it is, and whether it has
     /// limits and an actuator.

@@ -16,7 +16,8 @@ pub struct Touch {
     /// the normal against drilling: the one with which it would hold its energy at the stiffness
     /// that it has without a load.
     pub displacement: [f64; 3],
-    /// Elastic angle of the friction against turning, in the same axes, rad.
+    /// Elastic angle of the friction against turning, in the same axes, rad: the one with which it
+    /// would hold its energy at the stiffness that it has with a quarter of the weight.
     pub turn: [f64; 3],
     /// Dissipation with which it bounces, of its touch-down or of a faster impact that has come
     /// through others since, s/m; 0 for a contact that does not.

@@ -27,7 +27,7 @@ impl Terms {
             let turn = turns.next_if(|(turn, _)| turn.slot == contact.slot);
             let turns = turn.is_some_and(|(turn, _)| turn.holds());
             if contact.friction.cap > 0.0 || turns || bounce > 0.0 {
-                let angle = turn.map(|(turn, w)| turn.next_displacement(w, h));
+                let angle = turn.map(|(turn, w)| turn.remembered(w, h));
                 let (friction, u) = (&contact.friction, contact.slid(v));
                 memory.touches.push(Touch {
                     slot: contact.slot,

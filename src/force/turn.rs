@@ -6,6 +6,18 @@
 //! [`crate::law::friction`]), on the angular velocity: a spring–damper with a stored angle and a
 //! plastic cap, one for the normal and one for the two tangents, so that a ball on a gentle slope
 //! stands for ever. Most robots have none: the list of these elements is then empty.
+//!
+//! The stiffness is that with which the moment that slips, `c N`, is reached at an angle `θ` of
+//! [`TURN_DEFLECTION`]:
+//!
+//! ```text
+//! k = c max(N₀, N_w)/θ,    d = 2 √(k I)
+//! ```
+//!
+//! where `N₀` is the load at the start of the step and `N_w` that of a quarter of the weight, for
+//! what has just met. Fingers that press a light rod with a hundred times its weight turn by `θ`,
+//! too, before it slips, and not by `100 θ`. As the load changes, so does the stiffness; what is
+//! remembered is `√(k/k_w) ς`, by which the energy stays, as for sliding (see [`super::contact`]).
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
@@ -36,6 +48,8 @@ pub struct Turn {
     pub coefficient: [f64; 2],
     /// Load that its stiffness is made for, N.
     pub load: f64,
+    /// Square root of how much stiffer it is than with a quarter of the weight.
+    pub stiffened: f64,
     /// Square of the critical damping over the load that it is critical for, kg·m³, of both.
     pub critical: [f64; 2],
     /// Friction about the normal.
@@ -65,8 +79,13 @@ pub fn find_turns(
         let other = other.and(contact.other_link);
         let turning = tree.contact.turning_of(contact.link, other);
         let stored = seek(&mut touches, contact.slot, |t| t.slot).map_or([0.0; 3], |t| t.turn);
-        let (torsion, roll) = normal_part(&contact.normal, &contact.recall(&stored));
-        let [torsional, rolling] = contact.turning.map(|c| c * turning.load / TURN_DEFLECTION);
+        let along = contact.normal_velocity(&contacts.points, &kin.V);
+        let [force, held] = contact.loads(along);
+        let load = held.max(turning.load);
+        let stiffened = (load / turning.load).sqrt();
+        let angle = contact.recall(&stored) / stiffened;
+        let (torsion, roll) = normal_part(&contact.normal, &angle);
+        let [torsional, rolling] = contact.turning.map(|c| c * load / TURN_DEFLECTION);
         let mut turn = Turn {
             contact: index,
             body: contact.body,
@@ -74,7 +93,8 @@ pub fn find_turns(
             slot: contact.slot,
             normal: contact.normal,
             coefficient: contact.turning.map(|c| c * contact.rubbing),
-            load: turning.load,
+            load,
+            stiffened,
             critical: contact
                 .turning
                 .map(|c| 4.0 * turning.inertia * c / TURN_DEFLECTION),
@@ -89,7 +109,7 @@ pub fn find_turns(
                 ..ElastoPlastic::default()
             },
         };
-        turn.carry(contact.normal_load(&contacts.points, &kin.V));
+        turn.carry(force);
         turns.push(turn);
     }
 }
@@ -147,9 +167,10 @@ impl Turn {
         [self.torsional.damping, self.rolling.damping] = dampers;
     }
 
-    /// Begins with `share` of the change from its own angle to another one.
-    pub fn begin(&mut self, angle: &Vec3, share: f64) {
-        let (torsion, roll) = normal_part(&self.normal, angle);
+    /// Begins with `share` of the change from its own angle to that of what is remembered, in world
+    /// axes.
+    pub fn begin(&mut self, kept: &Vec3, share: f64) {
+        let (torsion, roll) = normal_part(&self.normal, &(kept / self.stiffened));
         let (t, r) = (
             &mut self.torsional.displacement,
             &mut self.rolling.displacement,
@@ -184,16 +205,23 @@ impl Turn {
         -(self.normal * about_normal + self.rolling.respond(w_tangent, 0.0).force)
     }
 
-    /// How fast the elastic angle changes where no steps are taken, rad/s, world axes, for the
+    /// How fast what is remembered changes where no steps are taken, rad/s, world axes, for the
     /// velocities of all bodies.
     pub fn memory_rate(&self, V: &[Vec6]) -> Vec3 {
         let (w_normal, w_tangent) = normal_part(&self.normal, &self.relative(V));
-        self.normal * self.torsional.rate(w_normal) + self.rolling.rate(w_tangent)
+        let rate = self.normal * self.torsional.rate(w_normal) + self.rolling.rate(w_tangent);
+        rate * self.stiffened
     }
 
-    /// Elastic angle after the step, world axes, rad, for the angular velocity that solved it:
-    /// along the normal torsional, across it rolling.
-    pub fn next_displacement(&self, w: &Vec3, h: f64) -> Vec3 {
+    /// What is remembered after the step, for the angular velocity that solved it: the elastic
+    /// angle, world axes, rad, along the normal torsional, across it rolling, with which it would
+    /// hold the same energy at the stiffness that it has with a quarter of the weight.
+    pub fn remembered(&self, w: &Vec3, h: f64) -> Vec3 {
+        self.next_displacement(w, h) * self.stiffened
+    }
+
+    /// Elastic angle after the step, world axes, rad.
+    fn next_displacement(&self, w: &Vec3, h: f64) -> Vec3 {
         let (w_normal, w_tangent) = normal_part(&self.normal, w);
         self.normal * self.torsional.next(w_normal, h) + self.rolling.next(w_tangent, h)
     }

@@ -8,7 +8,7 @@ use crate::tuning::TURN_DEFLECTION;
 pub struct Turning {
     /// Inertia that the damping is critical for, kg·m².
     pub inertia: f64,
-    /// Normal force that the stiffness is made for, N: a quarter of the weight.
+    /// Normal force that the stiffness is made for at least, N: a quarter of the weight.
     pub load: f64,
 }
 

@@ -318,6 +318,60 @@ fn resistance_to_turning_counts_on_either_surface_in_any_order() {
     }
 }
 
+/// A ball of 1 kg that is pressed down with up to a thousand times its weight, as fingers press what
+/// they hold: by statics a moment of less than `c N` about the normal, or of less than `c N` about
+/// a tangent by a force at its middle, turns it by that share of the milliradian at which friction
+/// against turning gives way, and a larger one turns it by what exceeds `c N`. Made for a quarter
+/// of the weight, it turned by 0.24 and 2.4 rad before it held the former.
+#[test]
+fn what_is_pressed_hard_turns_by_no_more_before_it_gives_way() {
+    let c = 1e-3;
+    for mode in MODES {
+        for (press, drills) in [(100.0, true), (1000.0, true), (100.0, false)] {
+            let limit = c * press * G;
+            let turned = |share: f64, time: f64| {
+                let mut b = ball(c, c);
+                b.model.outputs.external_wrenches = vec![LinkId(0)];
+                b.model.links[0].friction = 0.8;
+                let mut s = started(b, mode);
+                s.set_input(InputSlot::ExternalForce(LinkId(0), 2), (1.0 - press) * G);
+                run(&mut s, 0.5, 0.01);
+                let start = s.state().physical.clone();
+                let moment = share * limit;
+                if drills {
+                    s.set_input(InputSlot::ExternalTorque(LinkId(0), 2), moment);
+                } else {
+                    s.set_input(InputSlot::ExternalForce(LinkId(0), 0), moment / RADIUS);
+                }
+                run(&mut s, 0.5 + time, 1.0 / 240.0);
+                let end = &s.state().physical;
+                if drills {
+                    let half =
+                        libm::atan2(end.q[6], end.q[3]) - libm::atan2(start.q[6], start.q[3]);
+                    (2.0 * half, end.v[2])
+                } else {
+                    ((end.q[0] - start.q[0]) / RADIUS, end.v[1])
+                }
+            };
+            let (angle, speed) = turned(0.6, 1.0);
+            // A friction spring of 0.1 mm that a force at the middle stretches adds to the latter.
+            let slides = if drills { 0.0 } else { 1e-3 };
+            assert!(
+                angle > 0.5 * 0.6e-3 && angle < 1.1 * 0.6e-3 + slides && speed.abs() < 1e-9,
+                "{mode:?} {press} {drills}: {angle} {speed}"
+            );
+            // From 0.05 s on, when all of the moment that slips has set in.
+            let [before, after] = [0.05, 0.15].map(|time| turned(1.2, time).1);
+            let inertia = if drills { 4e-3 } else { 4e-3 + RADIUS * RADIUS };
+            let expected = 0.2 * limit / inertia * 0.1;
+            assert!(
+                ((after - before) / expected - 1.0).abs() < 0.01,
+                "{mode:?} {press} {drills}: {before} {after} {expected}"
+            );
+        }
+    }
+}
+
 /// Coulomb with two coefficients: it breaks away at `μ_s N` and then accelerates with the rest of
 /// the force.
 #[test]
