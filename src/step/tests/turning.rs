@@ -318,11 +318,11 @@ fn resistance_to_turning_counts_on_either_surface_in_any_order() {
     }
 }
 
-/// A ball of 1 kg that is pressed down with up to a thousand times its weight, as fingers press what
-/// they hold: by statics a moment of less than `c N` about the normal, or of less than `c N` about
-/// a tangent by a force at its middle, turns it by that share of the milliradian at which friction
-/// against turning gives way, and a larger one turns it by what exceeds `c N`. Made for a quarter
-/// of the weight, it turned by 0.24 and 2.4 rad before it held the former.
+/// A ball of 1 kg that is pressed down with up to a thousand times its weight, as fingers press
+/// what they hold. By statics a moment of less than `c N` about the normal, or about a tangent by a
+/// force at its middle, turns it by that share of the milliradian at which friction against turning
+/// gives way, and a larger one speeds it up by what exceeds `c N`. Made for a quarter of the
+/// weight, it turned by 0.24 and 2.4 rad before it held the former.
 #[test]
 fn what_is_pressed_hard_turns_by_no_more_before_it_gives_way() {
     let c = 1e-3;
