@@ -14,7 +14,7 @@
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 
 use super::core::Solid;
-use super::lowest::{lowest_of, places, skin};
+use super::lowest::{places, skin};
 use super::nearest::Apart;
 use super::placed::{Face, Placed, separation};
 use super::points::{Points, point};
@@ -61,6 +61,8 @@ pub(super) struct Kept {
     least: f64,
     /// The face of the solid on which the other one lies flat, if it lies on something beside it.
     flat: Option<Face>,
+    /// See [`On::rise`], of what the direction leaves out.
+    rise: f64,
 }
 
 /// The direction out of `p` towards `o`, about the place `x`, in place of `n`; none where it stays.
@@ -90,7 +92,7 @@ fn kept(on: &On, n: &Vec3, x: &Vec3) -> Option<(Vec3, Option<Face>)> {
     if is_face {
         return None;
     }
-    let within = on.within(&x, &d);
+    let within = on.within(&x, faces);
     let is_closed = |face: &Face, d: &Vec3| on.is_closed(*face, (&x, &within), d);
     // Two walls at a corner need not be at right angles: what leads over the second one is taken
     // across the first, and the first is looked at once more.
@@ -180,11 +182,11 @@ pub(super) fn between(
     let of = |on: &On, n: &Vec3, first| {
         let (p, o) = (on.p, on.o);
         let (outward, flat) = kept(on, n, &apart.middle)?;
+        let rise = on.rise();
         // Both cores are as far apart as the shapes and what has been taken off them.
         let top = outward.dot(&p.support(&outward)) - (o.solid.radius - skin(o));
         // What of the other one is beyond a covered wall lies on what is there, and may be lower.
-        let over = places(o, &outward).filter(|x| is_over(on, (&outward, flat), x));
-        let mut least = lowest_of(over, &outward);
+        let mut least = lowest_over(on, (&outward, flat));
         if least.is_infinite() {
             least = top + separation(o, p, &outward);
         }
@@ -195,37 +197,64 @@ pub(super) fn between(
             distance,
             least,
             flat,
+            rise,
         })
     };
     let [below, above] =
         [((b, a), false), ((a, b), true)].map(|(pair, first)| On::new(pair, first, others));
     let kept = of(&below, n, false);
-    if kept.is_some() && below.rise() == f64::NEG_INFINITY {
+    if kept.is_some_and(|kept| kept.rise == f64::NEG_INFINITY) {
         return kept;
     }
     // Where what lies on two things level with each other is level with one of them, too, both
     // ways are open. It presses on what carries it.
     let other = of(&above, &-n, true);
-    if kept.is_none() || other.is_some() && above.rise() < below.rise() {
-        other
-    } else {
-        kept
+    match (kept, other) {
+        (Some(kept), other) if other.is_none_or(|other| other.rise >= kept.rise) => Some(kept),
+        (_, other) => other,
+    }
+}
+
+/// How high along `up` the lowest place of the other one is that is over the solid, m; infinite
+/// where none is. To see whether one is takes a look at all that stands near, and most often the
+/// lowest one is: so they are asked from the lowest one on.
+///
+/// - `flat`: see [`Kept`]
+pub(super) fn lowest_over(on: &On, (up, flat): (&Vec3, Option<Face>)) -> f64 {
+    let mut last = (f64::NEG_INFINITY, usize::MAX);
+    loop {
+        let mut next = (f64::INFINITY, usize::MAX, Vec3::zeros());
+        for (i, x) in places(on.o, up).enumerate() {
+            let height = up.dot(&x);
+            let follows = height > last.0 || height >= last.0 && i > last.1;
+            if follows && height < next.0 {
+                next = (height, i, x);
+            }
+        }
+        let (height, i, x) = next;
+        if i == usize::MAX || is_over(on, (up, flat), &x) {
+            return height;
+        }
+        last = (height, i);
     }
 }
 
 /// Whether a place is on the solid's own side of all its walls that are covered along `up`, or of
 /// all walls about the face on which the other one lies.
-fn is_over(on: &On, (up, flat): (&Vec3, Option<Face>), x: &Vec3) -> bool {
+pub(super) fn is_over(on: &On, (up, flat): (&Vec3, Option<Face>), x: &Vec3) -> bool {
     let p = on.p;
     let (x, up) = (p.R.tr_mul(&(x - p.p)), p.R.tr_mul(up));
+    let is_beyond = |face: &Face| face.0.dot(&x) > face.1;
+    let walls = || p.solid.walls(&x).filter(is_beyond);
     if flat.is_some() {
-        let mut walls = p.solid.walls(&x).filter(|face| Some(*face) != flat);
-        return walls.all(|(n, height)| n.dot(&x) <= height);
+        return walls().all(|face| Some(face) == flat);
+    }
+    if walls().next().is_none() {
+        return true;
     }
     let place = within(p.solid, &x);
-    let within = on.within(&place, &up);
-    let mut walls = p.solid.walls(&x);
-    walls.all(|face| face.0.dot(&x) <= face.1 || !on.is_closed(face, (&place, &within), &up))
+    let within = on.within(&place, p.solid.leads(&up));
+    !walls().any(|face| on.is_closed(face, (&place, &within), &up))
 }
 
 /// Adds the lowest points of what lies on a solid with covered walls, as far as they are over it:

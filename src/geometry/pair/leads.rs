@@ -61,7 +61,7 @@ impl Solid {
         let beyond = side(&rest);
         let third = others.filter(|other| side(&other.way) * beyond > LEAN * beyond.abs());
         let third = third.max_by(farther).filter(|_| beyond.abs() > LEAN);
-        // The rest is a sum of both ways. What their normals have of the first one it need not have.
+        // The rest is a sum of both ways. What their normals have of the first one is taken off.
         let beside = third.map_or(0.0, |third| beyond / side(&third.way));
         let along = second.along - third.map_or(0.0, |third| beside * third.way.dot(&second.way));
         let of = |other: &Beside, way: f64| n.dot(&other.face.0) * way / other.across;

@@ -152,13 +152,11 @@ impl<'a> On<'a> {
         self.others.is_none()
     }
 
-    /// A place within all faces of the solid that the direction `d` leads out of at the edge at
-    /// `x`, all in its axes: by so much as things that are level with each other may be apart, or
-    /// one of them higher.
-    pub(super) fn within(&self, x: &Vec3, d: &Vec3) -> Vec3 {
+    /// A place within some faces of the solid near its edge at `x`, in its axes: by so much as
+    /// things that are level with each other may be apart, or one of them higher.
+    pub(super) fn within(&self, x: &Vec3, faces: [Option<Face>; 3]) -> Vec3 {
         let depth = self.others.map_or(0.0, |among| among.others.level());
-        let out = self.p.solid.leads(d);
-        out.iter().flatten().fold(*x, |x, (n, height)| {
+        faces.iter().flatten().fold(*x, |x, (n, height)| {
             x - n * (n.dot(&x) - (height - depth)).max(0.0)
         })
     }
@@ -179,9 +177,6 @@ impl<'a> On<'a> {
         let (p, slack) = (self.p, others.level());
         let first = self.first != *swapped;
         let place = p.world(x) + origin;
-        let faces = p.solid.leads(d);
-        let there = || faces.iter().copied().flatten();
-        let ups = || there().filter(|(n, _)| is_edge((n, d), wall));
         let beyond = within + wall.0 * (wall.1 + slack - wall.0.dot(within));
         let beyond = p.world(&beyond) + origin;
         let covers = |other: &Solid, X: &Pose, stays: bool| {
@@ -189,7 +184,12 @@ impl<'a> On<'a> {
             if stays || !holds {
                 return holds;
             }
-            let top = ups().find_map(|(up, _)| self.level((other, X), (x, &up)));
+            let faces = p.solid.leads(d);
+            let mut ups = faces
+                .iter()
+                .flatten()
+                .filter(|(n, _)| is_edge((n, d), wall));
+            let top = ups.find_map(|(up, _)| self.level((other, X), (x, up)));
             if let Some((_, top)) = top {
                 self.rises(top);
             }
@@ -388,3 +388,6 @@ impl Solid {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
