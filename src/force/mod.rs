@@ -26,7 +26,6 @@ mod pairs;
 mod point;
 mod remember;
 mod secant;
-mod spread;
 mod spring;
 mod terms;
 mod turn;

@@ -262,7 +262,8 @@ impl Fixed {
         if turning {
             implicit
                 .full
-                .guess_with_cones((&frame, terms), &from.v, &self.first);
+                .guess(&frame.with(terms), &from.v, &self.first);
+            implicit.full.carry_here(terms, h);
         } else {
             implicit.full.carry((tree, kin), terms, h);
         }
