@@ -56,18 +56,22 @@ def exact(q, v, times):
         if side == 0:
             part = solve_ivp(free, (t, times[-1]), y, events=strikes, **options)
         else:
-            leaves = event(lambda t, y, side=side: pull(y, side), 1)
-            part = solve_ivp(stopped, (t, times[-1]), y, events=[leaves], **options)
+            away = event(lambda t, y, side=side: pull(y, side), 1)
+            part = solve_ivp(stopped, (t, times[-1]), y, events=[away], **options)
         within = (times >= t) & (times <= part.t[-1])
-        found[within] = part.sol(times[within])[:2].T
+        # Between two events there may be no row of the table.
+        if within.any():
+            found[within] = part.sol(times[within])[:2].T
         t, y = part.t[-1], part.y[:, -1].copy()
         if t >= times[-1]:
             break
+        # Where it leaves, what would have to hold it is nothing but round-off, of either sign.
+        leaves = side != 0
         if side == 0:
             side = int(np.sign(y[1]))
             mass, _ = mass_and_bias(y[:2], y[2:])
             y[2:] = [y[2] + mass[0, 1] / mass[0, 0] * y[3], 0]
-        if pull(y, side) >= 0:
+        if leaves or pull(y, side) >= 0:
             y[1], side = side * (1 - 1e-12), 0
     return found
 
