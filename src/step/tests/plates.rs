@@ -2,6 +2,7 @@
 
 use crate::geometry::Shape;
 use crate::model::{Ground, LinkId, Model, RootKind};
+use crate::simulation::Simulation;
 use crate::spatial::{Pose, RigidInertia, Vec3};
 use crate::testing::{Builder, inertia, run, start};
 
@@ -13,6 +14,16 @@ fn plate(from: f64, to: f64) -> Model {
     b.model.roots[0].position = Vec3::new(0.5 * (from + to), 0.0, -0.1);
     b.model.links[0].friction = 0.1;
     b.model
+}
+
+/// On these things alone, none of which has friction.
+fn start_without_friction(mut model: Model, fixed_step: f64, tolerance: f64) -> Simulation {
+    for link in &mut model.links {
+        link.friction = 0.0;
+    }
+    model.world.ground = None;
+    model.solver.step_size = fixed_step;
+    start(model, tolerance)
 }
 
 /// 1 kg that begins to slide at 2 m/s on plates of a length; where it is after a second.
@@ -149,12 +160,7 @@ fn what_slides_over_plates_that_are_not_quite_level_goes_on() {
             let mut to = plate(0.0, 4.0);
             to.roots[0].position.z -= down;
             model.join(to, "to", RootKind::Object);
-            for link in &mut model.links {
-                link.friction = 0.0;
-            }
-            model.world.ground = None;
-            model.solver.step_size = fixed_step;
-            let mut s = start(model, tolerance);
+            let mut s = start_without_friction(model, fixed_step, tolerance);
             run(&mut s, 1.0, 1.0 / 240.0);
             let v = &s.state().physical.v;
             let speed = Vec3::new(v[3], v[4], v[5]).norm();
@@ -205,12 +211,7 @@ fn what_slides_over_tiles_that_are_hulls_goes_on() {
                 b.model.roots[0].position = Vec3::new(at(i / 5 - 3), at(i % 5 - 2), -0.05);
                 model.join(b.model, &format!("tile{i}"), RootKind::Object);
             }
-            for link in &mut model.links {
-                link.friction = 0.0;
-            }
-            model.world.ground = None;
-            model.solver.step_size = fixed_step;
-            let mut s = start(model, tolerance);
+            let mut s = start_without_friction(model, fixed_step, tolerance);
             run(&mut s, 0.6, 1.0 / 240.0);
             let v = &s.state().physical.v;
             let off = Vec3::new(v[3] - 0.5, v[4] - 0.02, v[2] - 0.5).norm();
@@ -245,12 +246,7 @@ fn what_slides_askew_over_tiles_slides_as_on_one_plate() {
                 b.model.roots[0].position = Vec3::new(at(i / 3 - 1), at(i % 3 - 1), -0.1);
                 model.join(b.model, &format!("tile{i}"), RootKind::Object);
             }
-            for link in &mut model.links {
-                link.friction = 0.0;
-            }
-            model.world.ground = None;
-            model.solver.step_size = fixed_step;
-            let mut s = start(model, 1e-3);
+            let mut s = start_without_friction(model, fixed_step, 1e-3);
             run(&mut s, 0.9, 1.0 / 240.0);
             let q = &s.state().physical.q;
             let off = Vec3::new(q[0] - 0.013 - 1.971, q[1] - 0.021 - 0.09, q[2] - 0.03);
