@@ -212,8 +212,8 @@ impl<'a> On<'a> {
         let (p, o, slack) = (self.p, self.o, others.level());
         let first = self.first != *swapped;
         let under = (&(o.p + origin), o.solid.reach + slack);
-        // The place of the other one that comes to the solid is an edge of the face that lies on it,
-        // or of a broken edge beside that face.
+        // The place of the other one that comes to the solid is an edge of the face that lies on
+        // it, or of a broken edge beside that face.
         let foremost = o.solid.foremost(&o.R.tr_mul(&(p.R * -d)));
         let mut ups = foremost.filter_map(|(down, _)| {
             let against = p.R.tr_mul(&(o.R * down));
