@@ -123,13 +123,14 @@ impl<T: Spoil> Spoil for Vec<T> {
     }
 }
 
-impl<X: Spoil> Spoil for ElastoPlastic<X> {
+impl<X: Spoil, L> Spoil for ElastoPlastic<X, L> {
     fn spoil(&mut self) {
         let Self {
             cap,
             stiffness,
             damping,
             displacement,
+            limit: _,
         } = self;
         for number in [cap, stiffness, damping] {
             number.spoil();
@@ -143,7 +144,7 @@ spoil!(SpatialInertia: mass moment rotational;);
 spoil!(HuntCrossley: stiffness damping;);
 spoil!(SpeedLine: stall no_load;);
 spoil!(Response: depth force slope load friction;);
-spoil!(Resistance<Vec3>: force slope slip;);
+spoil!(Resistance<Vec3>: force slope around slip;);
 spoil!(PointResponse: weight bend impulse rock rocking tilting lean end;);
 spoil!(PointVelocity: along tilt;);
 spoil!(TurnResponse: impulse normal tangential slip;);
@@ -158,8 +159,8 @@ spoil!(Terms: contacts turns joints springs;);
 spoil!(Other: body from axes;);
 spoil!(
     Contact: body other link other_link slot thickness mass normal uneven points depth weights
-    spring damping load tilting bounce duration center radius drift rise bent carried rubbing mu
-    turning critical dissipation wound friction;
+    spring damping load tilting bounce duration center radius oblong pull drift rise bent carried
+    rubbing mu turning critical dissipation wound friction;
 );
 spoil!(ContactPoint: corner x normal row arm depth share load rim;);
 

@@ -463,6 +463,23 @@ pub const MIN_CORNERS: f64 = 4.0;
 /// The same on a disc, as a share of its radius: `∫ r² dr / ∫ r dr`
 /// (`a_spinning_disc_slows_down_by_friction_over_its_face`).
 pub const EVEN_DISC: f64 = 2.0 / 3.0;
+/// Radius of the curve of the forces that a disc or a square can bear where it hardly slides, in
+/// caps: by its second derivative 0.667, and more on the way to sliding
+/// (`what_slides_and_spins_goes_as_far_as_its_points_do_together`).
+pub const EVEN_SPIN: f64 = 0.69;
+/// Tangent of half of the angle at which that curve becomes flatter, where both of its ends have
+/// the radius 1, and by how much it is more for what their radii are less together. So the curve
+/// is nearest to sums over areas. With 0 for both, which makes it a circle, fails
+/// `a_face_resists_as_its_points_do_together`.
+pub const EVEN_TURN: [f64; 2] = [0.16, 0.1265];
+/// Least and most share that one of the radii may be less than 1 by of what the other one is less
+/// by: farther from each other no arc fits between
+/// (`the_forces_that_a_face_can_bear_have_a_smooth_edge`).
+pub const EVEN_BETWEEN: [f64; 2] = [0.4, 2.5];
+/// What all faces can bear in any direction, in caps: a force that is shorter need not be looked
+/// at. The least that one of them bears is 0.858; at 0.87 fails
+/// `a_face_slips_along_the_normal_of_the_forces_that_it_bears`.
+pub const EVEN_LEAST: f64 = 0.85;
 /// Thickness of a face of a hull, in penetrations: corners that lie so near one plane share its
 /// load. At 1e4 fails `even_terrain_carries_like_the_plane`.
 pub const FACE: f64 = 3.0;

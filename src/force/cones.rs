@@ -12,7 +12,7 @@ use super::contact::{Contact, Response};
 use super::gather::ContactSet;
 use super::point::{ContactPoint, PointResponse};
 use super::terms::{Responses, Terms, Velocities};
-use crate::law::ElastoPlastic;
+use crate::law::{ElastoPlastic, Limit as _};
 use crate::spatial::{Vec3, Vec6};
 
 /// By how much the friction cone of a contact that slips grows, N·s: along a direction, and along
@@ -25,7 +25,7 @@ impl Terms {
         let ContactSet { list, points, .. } = &mut self.contacts;
         for (contact, r) in list.iter_mut().zip(&responses.contacts) {
             let of = &responses.points[contact.points.clone()];
-            (contact.center, contact.radius) = contact.center_under(points, (r, of));
+            contact.stand(&contact.footing_under(points, (r, of)));
         }
     }
 
@@ -94,8 +94,9 @@ impl Terms {
         contacts
             .filter(|(_, r)| !r.slips())
             .fold(0.0, |most, (contact, r)| {
-                let excess = h * r.friction.force.norm() - contact.mu * r.load;
-                most.max(excess / contact.mass)
+                let force = r.friction.force * h;
+                let borne = contact.friction.limit.clip(force, contact.mu * r.load);
+                most.max((force - borne).norm() / contact.mass)
             })
     }
 
@@ -163,14 +164,15 @@ impl Terms {
     /// on all bodies about O.
     pub fn add_growth(
         &self,
-        responses: &Responses,
+        (responses, h): (&Responses, f64),
         (growth, part): (&[Growth], usize),
         F: &mut [Vec6],
     ) {
         let contacts = self.contacts.iter().zip(&responses.contacts);
         for ((contact, r), growth) in contacts.zip(growth) {
             if r.slips() {
-                contact.drag(&(r.friction.slip * -growth[part]), F);
+                let along = contact.friction.growth(&r.friction, h);
+                contact.drag(&(along * -growth[part]), F);
             }
         }
     }
@@ -199,19 +201,16 @@ impl Contact {
     /// Sets the friction for a normal force, N.
     #[inline]
     pub fn carry(&mut self, force: f64) {
-        self.friction = self.rubbing_under(force);
+        (self.friction.cap, self.friction.damping) = self.rubbing_under(force);
     }
 
-    /// Its friction under a normal force, N: it slips in proportion to it. Nor is its damper less:
-    /// in an impact, a damper in proportion to the normal force lets what sticks creep by less than
-    /// one over the dissipation, at any speed. At rest the critical one is more.
+    /// Cap and damping of its friction under a normal force, N: it slips in proportion to it. Nor
+    /// is its damper less: in an impact, a damper in proportion to the normal force lets what
+    /// sticks creep by less than one over the dissipation, at any speed. At rest the critical one
+    /// is more.
     #[inline]
-    fn rubbing_under(&self, force: f64) -> ElastoPlastic<Vec3> {
-        ElastoPlastic {
-            cap: self.mu * force,
-            damping: self.critical.max(self.dissipation * force),
-            ..self.friction
-        }
+    fn rubbing_under(&self, force: f64) -> (f64, f64) {
+        (self.mu * force, self.critical.max(self.dissipation * force))
     }
 
     /// Whether friction may be another one with the cone that belongs to the normal force of a
@@ -220,7 +219,7 @@ impl Contact {
     fn may_lag(&self, r: &Response, h: f64) -> bool {
         let cap = self.mu * r.load / h;
         let sticks = !r.slips() && self.friction.cap > 0.0;
-        !(sticks && r.friction.force.norm_squared() <= cap * cap)
+        !(sticks && self.friction.limit.holds(&r.friction.force, cap))
     }
 
     /// Adds what friction would do more with the cone that belongs to the normal force of a
@@ -236,10 +235,17 @@ impl Contact {
         if !self.may_lag(r, h) {
             return false;
         }
-        let (center, radius) = self.center_under(points, (r, of));
+        let footing = self.footing_under(points, (r, of));
+        let (center, radius) = (footing.center, footing.radius);
         let W = self.relative(V);
         let u = self.sliding_at((&center, radius), &W);
-        let carried = self.rubbing_under(r.load / h);
+        let (cap, damping) = self.rubbing_under(r.load / h);
+        let carried = ElastoPlastic {
+            cap,
+            damping,
+            limit: footing.limit.unwrap_or(self.friction.limit),
+            ..self.friction
+        };
         let [before, after] =
             [r.friction.force, carried.respond(self.slid(&u), h).force].map(|f| f * -h);
         let [(force, moment), (other, turned)] = [
@@ -301,7 +307,7 @@ mod tests {
                 let V = [W];
                 let at: Vec<PointVelocity> = contact.velocities(&set.points, &V).collect();
                 let (mut of, u) = (Vec::new(), contact.sliding(&V));
-                let r = contact.response(&set.points, &u, |i| at[i], h, &mut of);
+                let r = contact.response(&set.points, Some(&u), |i| at[i], h, &mut of);
                 (r, of)
             };
             let moved = |step: f64| {

@@ -51,20 +51,21 @@
 //!
 //! One elasto-plastic element acts on the 3-vector `u = v_t(c) + ρ (n·ω) n`: the tangential
 //! velocity at the centre `c = Σ ŵ_i x_i` of the load, and the drilling velocity times the mean
-//! distance `ρ` of the load from it. Sliding and drilling share the cap `μ Σ N w_i`.
+//! distance `ρ` of the load from it. Sliding and drilling share the cap `μ Σ N w_i` as the points
+//! of an even pressure do together, see [`crate::law::face`].
 //!
 //! Its stiffness `k_t` is in proportion to `dN/dδ`, so it changes with the load. With the same
 //! displacement `ς` the energy `½ k_t ς²` would change with it, and nobody would pay. So from step
 //! to step `√k_t ς` is remembered, whose energy stays: a rising load raises the force `k_t ς` by
 //! the root of the stiffness, and a falling one takes that back.
 //!
-//! Source: Hunt & Crossley 1975; Castro et al. 2022; the limit surface of sliding and drilling as
-//! an ellipsoid: Howe & Cutkosky 1996.
+//! Source: Hunt & Crossley 1975; Castro et al. 2022.
 
 #![allow(non_snake_case, reason = "frame notation, see docs/style.md")]
 use super::point::{ContactPoint, PointResponse, PointVelocity};
+use super::spread::Oblong;
 use crate::law::normal::Stiffening;
-use crate::law::{Damping, ElastoPlastic, Resistance};
+use crate::law::{Damping, ElastoPlastic, Face, Resistance};
 use crate::spatial::{Mat3, Vec3, Vec6, angular, velocity_at};
 use crate::tuning::ADVANCE;
 use std::ops::Range;
@@ -165,6 +166,10 @@ pub struct Contact {
     pub center: Vec3,
     /// Mean distance of the load from it, m.
     pub radius: f64,
+    /// How the load is spread about it.
+    pub oblong: Oblong,
+    /// What spring and damper of friction give at the start of the step, N.
+    pub pull: Vec3,
     /// What `u` is more than the step's lever arms say, because the contact has turned since they
     /// were found, m/s.
     pub drift: Vec3,
@@ -189,7 +194,7 @@ pub struct Contact {
     /// Friction in the tangent plane, and along the normal against drilling; world axes. It slips
     /// at `μ` times a normal force that is known: that at the start of the step, until a solve has
     /// found one.
-    pub friction: ElastoPlastic<Vec3>,
+    pub friction: ElastoPlastic<Vec3, Face>,
 }
 
 impl Contact {
@@ -299,13 +304,13 @@ impl Contact {
         (elastic * damping, slope)
     }
 
-    /// Response to the velocities at the end of a step of `h` seconds: `u` of friction, `at` of the
-    /// points.
+    /// Response to the velocities at the end of a step of `h` seconds: `u` of friction, none if
+    /// that is found later, `at` of the points.
     #[inline]
     pub fn response(
         &self,
         points: &[ContactPoint],
-        u: &Vec3,
+        u: Option<&Vec3>,
         at: impl Fn(usize) -> PointVelocity,
         h: f64,
         out: &mut Vec<PointResponse>,
@@ -342,7 +347,7 @@ impl Contact {
             sum += p.share * squared * squared;
             rise += p.share * change * (after + before) * (squared + before_squared);
         }
-        let friction = self.rub(u, h);
+        let friction = u.map_or_else(Resistance::default, |u| self.rub(u, h));
         if deepest <= 0.0 || deepest.is_nan() {
             for (p, r) in own.iter().zip(&mut out[first..]) {
                 r.weight = 0.0;
@@ -444,8 +449,15 @@ impl Contact {
         (u, at): (&Vec3, &[PointVelocity]),
         h: f64,
     ) -> f64 {
-        let slip = r.friction.slip.dot(u);
-        let mut sum = h * r.friction.slope * (u.norm_squared() - slip * slip);
+        let friction = &r.friction;
+        let slip = friction.slip.dot(u);
+        let mut sum = h * friction.slope * (u.norm_squared() - slip * slip);
+        if (friction.around - friction.slope).abs() > 0.0 {
+            let around = self.normal.cross(&friction.slip);
+            let along = around.dot(u);
+            let whole = around.norm_squared().max(f64::MIN_POSITIVE);
+            sum += h * (friction.around - friction.slope) * (along * along / whole);
+        }
         let (mut mean, mut bend, mut tilt) = (0.0, 0.0, 0.0);
         let mut middle = 0.0;
         for ((p, r), v) in points[self.points.clone()].iter().zip(of).zip(at) {

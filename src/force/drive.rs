@@ -136,6 +136,7 @@ impl Drive {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::Radial;
 
     #[test]
     fn drive_stiffness_is_the_derivative_of_its_force() {
@@ -144,6 +145,7 @@ mod tests {
             stiffness: 1e3,
             damping: 10.0,
             displacement: 1e-3,
+            limit: Radial,
         };
         let drives = [
             Drive::Velocity {

@@ -5,55 +5,22 @@
 use super::contact::{Contact, Response, normal_part};
 use super::pairs::Pairs;
 use super::point::{ContactPoint, PointResponse, norm};
+use super::spread::Spread;
 use crate::geometry::pair::MOST_PARTS;
 use crate::kinematics::Kinematics;
+use crate::law::Face;
 use crate::model::Model;
 use crate::spatial::{Vec3, Vec6, across, angular};
 use crate::tree::Tree;
-use crate::tuning::{EVEN_DISC, EVEN_LINE, MIN_CORNERS};
 
-/// Mean distance of an even pressure from its middle, as a share of that of the points that carry
-/// it, which are its corners: on a regular polygon of `n` corners, with `φ = π/n`,
-///
-/// ```text
-/// ∫∫ r² dr dα/∫∫ r dr dα = R/3 (1 + cos φ ln(sec φ + tan φ)/tan φ)
-/// ```
-///
-/// and half of the half length on a line. Between them it goes with the square of `2 a b/(a² + b²)`
-/// of the root mean squares `a`, `b` of the distances along the principal axes, which for
-/// rectangles is right to 1 % and smooth where the corners come to stand in a line. As many
-/// corners as carry count, `1/Σ load²`, at least four, so that it does not jump where one of them
-/// leaves. A triangle has 0.46 and is given 0.54.
-///
-/// - `loads`: those of the points
-fn even_share(
-    (points, loads): (&[ContactPoint], impl Fn(usize) -> f64),
-    center: &Vec3,
-    normal: &Vec3,
-) -> f64 {
-    if points.len() < 3 {
-        return EVEN_LINE;
-    }
-    let (mut squares, mut whole, mut turned) = (0.0, 0.0, [0.0; 2]);
-    let first = across(normal);
-    let second = normal.cross(&first);
-    for (i, p) in points.iter().enumerate() {
-        let (load, apart) = (loads(i), p.x - center);
-        let (x, y) = (apart.dot(&first), apart.dot(&second));
-        squares += load * load;
-        whole += load * (x * x + y * y);
-        turned[0] += load * (x * x - y * y);
-        turned[1] += load * 2.0 * x * y;
-    }
-    let [a, b] = turned;
-    let round = (whole * whole - a * a - b * b) / (whole * whole);
-    if squares <= 0.0 || round.is_nan() {
-        return EVEN_LINE;
-    }
-    let corners = (1.0 / squares).max(MIN_CORNERS);
-    let (sin, cos) = libm::sincos(std::f64::consts::PI / corners);
-    let regular = (1.0 + cos * cos / sin * libm::log((1.0 + sin) / cos)) / 3.0;
-    EVEN_LINE + round.max(0.0) * (regular - EVEN_LINE)
+/// Where friction acts.
+pub(super) struct Footing {
+    /// See [`Contact::center`].
+    pub center: Vec3,
+    /// See [`Contact::radius`].
+    pub radius: f64,
+    /// Which forces it can bear there, where these are others.
+    pub limit: Option<Face>,
 }
 
 /// Makes the sum of the loads 1; points of which none carries anything share it evenly.
@@ -95,7 +62,7 @@ impl Contact {
         if self.depth <= 0.0 {
             self.expect_load(points, V, h);
         }
-        self.center_on_load(points);
+        self.find_center(points);
     }
 
     /// Finds the shares of the load to come: those of the depths to which the velocities take the
@@ -214,45 +181,102 @@ impl Contact {
             let own = points[self.points.clone()].iter();
             let mean: Vec3 = own.map(|p| p.normal * p.load).sum();
             self.normal = mean.try_normalize(0.0).unwrap_or(self.normal);
+            self.friction.limit.lean(&self.normal);
         }
     }
 
-    /// Finds the centre of the load and its mean distance from it.
-    pub(crate) fn center_on_load(&mut self, points: &[ContactPoint]) {
+    /// Finds where the load is, and how it is spread.
+    fn find_center(&mut self, points: &[ContactPoint]) {
         let own = &points[self.points.clone()];
-        (self.center, self.radius) = self.center_of(own, |i| own[i].load);
+        let (center, spread) = self.spread(own, |i| own[i].load);
+        (self.center, self.radius) = (center, spread.radius(own.len()));
+        self.oblong = spread.oblong();
     }
 
-    /// The same of the load that it has at the end of a step; as they are where it has none.
-    pub(super) fn center_under(
+    /// Puts friction to where the load is.
+    pub(crate) fn center_on_load(&mut self, points: &[ContactPoint]) {
+        self.find_center(points);
+        self.friction.limit = self.oblong.limit(&self.normal, &self.pull);
+    }
+
+    /// Finds which forces friction can bear, for sliding along the way in which it pulls at the
+    /// velocity `u` of the start.
+    pub(crate) fn slide_along(&mut self, u: &Vec3) {
+        let friction = &self.friction;
+        self.pull = friction.displacement * friction.stiffness + self.slid(u) * friction.damping;
+        self.friction.limit = self.oblong.limit(&self.normal, &self.pull);
+    }
+
+    /// Lets friction act there.
+    pub(super) fn stand(&mut self, footing: &Footing) {
+        self.center = footing.center;
+        self.radius = footing.radius;
+        if let Some(limit) = footing.limit {
+            self.friction.limit = limit;
+        }
+    }
+
+    /// Where the load is that it has at the end of a step; where it is if it has none.
+    pub(super) fn footing_under(
         &self,
         points: &[ContactPoint],
         (r, of): (&Response, &[PointResponse]),
-    ) -> (Vec3, f64) {
+    ) -> Footing {
+        let own = &points[self.points.clone()];
         let total: f64 = of.iter().map(|r| r.weight).sum();
         // Depths of round-off may press without having shares.
         if !r.presses() || total <= 0.0 {
-            return (self.center, self.radius);
+            return Footing {
+                center: self.center,
+                radius: self.radius,
+                limit: None,
+            };
         }
-        self.center_of(&points[self.points.clone()], |i| of[i].weight / total)
+        let (center, spread) = self.spread(own, |i| of[i].weight / total);
+        // What stands on two points is a line whatever their shares are, and a rim is round.
+        let same = own.len() < 3 && spread.whole > 0.0 && !self.friction.limit.is_point();
+        let limit = (!same).then(|| spread.oblong().limit(&self.normal, &self.pull));
+        Footing {
+            center,
+            radius: spread.radius(own.len()),
+            limit,
+        }
     }
 
+    /// Centre of a load, and how it is spread about it.
+    ///
     /// - `loads`: shares of the load of its points `own`
-    fn center_of(&self, own: &[ContactPoint], loads: impl Fn(usize) -> f64) -> (Vec3, f64) {
+    fn spread(&self, own: &[ContactPoint], loads: impl Fn(usize) -> f64) -> (Vec3, Spread) {
+        let mut spread = Spread::default();
+        if let [ContactPoint { x, rim: None, .. }] = own {
+            return (*x, spread);
+        }
         let mut center = Vec3::zeros();
         for (i, p) in own.iter().enumerate() {
-            center += p.x * loads(i);
-        }
-        let mut radius = 0.0;
-        let even = even_share((own, &loads), &center, &self.normal);
-        for (i, p) in own.iter().enumerate() {
-            let (_, apart) = normal_part(&self.normal, &(p.x - center));
-            radius += loads(i) * apart.norm() * even;
+            let load = loads(i);
+            center += p.x * load;
             if let Some(rim) = &p.rim {
-                radius += loads(i) * EVEN_DISC * rim.radius * rim.flatness;
+                spread.discs[0] += load * rim.flatness * rim.radius;
+                spread.discs[1] += load * rim.flatness * rim.radius * rim.radius;
             }
         }
-        (center, radius)
+        if let [a, b] = own {
+            // Both are on one line through their centre.
+            let (_, apart) = normal_part(&self.normal, &(a.x - b.x));
+            let (share, squared) = (loads(0) * loads(1), apart.norm_squared());
+            spread.mean = 2.0 * share * squared.sqrt();
+            spread.whole = share * squared;
+            spread.first = apart;
+            spread.turned[0] = spread.whole;
+            return (center, spread);
+        }
+        spread.first = across(&self.normal);
+        let second = self.normal.cross(&spread.first);
+        for (i, p) in own.iter().enumerate() {
+            let apart = p.x - center;
+            spread.add(loads(i), [apart.dot(&spread.first), apart.dot(&second)]);
+        }
+        (center, spread)
     }
 }
 
@@ -344,48 +368,5 @@ impl ContactSet {
     pub fn clear(&mut self) {
         self.list.clear();
         self.points.clear();
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Closed forms: a line, a square and a hexagon of corners at the distance 1, a rectangle of
-    /// 5:1 (by a sum over its area: 0.5108) and a polygon that is nearly a disc. What stands on
-    /// one corner, nearly, has a lever, too.
-    #[test]
-    fn an_even_pressure_has_the_lever_of_its_corners() {
-        let share = |places: &[(f64, f64, f64)]| {
-            let point = |&(x, y, load): &(f64, f64, f64)| ContactPoint {
-                x: Vec3::new(x, y, 0.0),
-                load,
-                ..ContactPoint::default()
-            };
-            let points: Vec<ContactPoint> = places.iter().map(point).collect();
-            let center = points.iter().map(|p| p.x * p.load).sum();
-            even_share((&points, |i| points[i].load), &center, &Vec3::z())
-        };
-        let polygon = |n: u32| {
-            let corner = |i: u32| {
-                let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(i) / f64::from(n));
-                (cos, sin, 1.0 / f64::from(n))
-            };
-            share(&(0..n).map(corner).collect::<Vec<_>>())
-        };
-        let corners = [(5.0, 1.0), (5.0, -1.0), (-5.0, 1.0), (-5.0, -1.0)];
-        let rectangle = share(&corners.map(|(x, y)| (x, y, 0.25)));
-        let edge = share(&corners.map(|(x, y)| (x, y, if y > 0.0 { 0.5 } else { 0.0 })));
-        for (found, expected, most) in [
-            (polygon(4), 0.541_075, 1e-6),
-            (polygon(6), 0.607_986, 1e-6),
-            (polygon(60), 2.0 / 3.0, 1e-3),
-            (rectangle, 0.5108, 6e-3),
-            (edge, 0.5, 1e-12),
-        ] {
-            assert!((found - expected).abs() < most, "{found} {expected}");
-        }
-        let one = share(&[(0.0, 0.0, 0.98), (1.0, 0.0, 0.01), (0.0, 1.0, 0.01)]);
-        assert!((0.3..0.7).contains(&one), "{one}");
     }
 }

@@ -14,7 +14,7 @@ use super::memory::Memory;
 use crate::closure::Felt;
 use crate::inputs::{Command, Inputs};
 use crate::kinematics::Kinematics;
-use crate::law::{Damping, ElastoPlastic, HuntCrossley, SpeedLine, Stop, stribeck};
+use crate::law::{Damping, ElastoPlastic, HuntCrossley, Radial, SpeedLine, Stop, stribeck};
 use crate::model::{ActuatorMode, Model};
 use crate::tree::{DryFriction, Tree};
 use crate::tuning::{
@@ -347,6 +347,7 @@ impl JointTerm {
                     stiffness,
                     damping,
                     displacement: s.memory.motor[index],
+                    limit: Radial,
                 };
                 // Where the effort is too little, also because the command has just jumped, the
                 // displacement is what a short step would make it: a long step, at whose end the
@@ -413,6 +414,7 @@ fn dry_friction(s: &Start, dof: usize, speed: f64) -> ElastoPlastic<f64> {
         stiffness,
         damping: 2.0 * (stiffness * s.tree.dofs.inertia[dof]).sqrt(),
         displacement: s.memory.dry[dof],
+        limit: Radial,
     }
 }
 

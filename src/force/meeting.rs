@@ -108,6 +108,7 @@ impl Meeting<'_> {
         };
         contact.friction.displacement = contact.recall_slip(&stored.displacement);
         contact.carry(load);
+        contact.slide_along(&u);
         contact.load = load.min(elastic);
         if contact.load > 0.0 {
             let dissipation = contact.damping.dissipation;

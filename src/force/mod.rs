@@ -26,6 +26,7 @@ mod pairs;
 mod point;
 mod remember;
 mod secant;
+mod spread;
 mod spring;
 mod terms;
 mod turn;

@@ -29,12 +29,13 @@ impl Terms {
             if contact.friction.cap > 0.0 || turns || bounce > 0.0 {
                 let angle = turn.map(|(turn, w)| turn.remembered(w, h));
                 let (friction, u) = (&contact.friction, contact.slid(v));
+                let rub = &response.friction;
                 memory.touches.push(Touch {
                     slot: contact.slot,
-                    displacement: contact.keep_slip(&friction.next(u, h)),
+                    displacement: contact.keep_slip(&friction.next_after(rub, u, h)),
                     turn: contact.keep(&angle.unwrap_or_default()),
                     bounce,
-                    sliding: friction.sliding(u, contact.wound, h),
+                    sliding: friction.sliding_after(rub, u, contact.wound, h),
                 });
             }
         }

@@ -209,6 +209,18 @@ impl Terms {
     /// a step of `h` seconds.
     #[inline]
     pub fn respond(&self, v: &[f64], at: &Velocities, h: f64, out: &mut Responses) {
+        self.respond_with(v, (at, true), h, out);
+    }
+
+    /// The same without friction of contacts if that is to be found by [`Self::rub`].
+    #[inline]
+    pub fn respond_with(
+        &self,
+        v: &[f64],
+        (at, rubs): (&Velocities, bool),
+        h: f64,
+        out: &mut Responses,
+    ) {
         out.joints.clear();
         let joints = self.joints.iter().map(|t| t.response(v[t.dof], h));
         out.joints.extend(joints);
@@ -217,6 +229,7 @@ impl Terms {
         let points = &self.contacts.points;
         for (contact, u) in self.contacts.iter().zip(&at.contacts) {
             let own = &at.points[contact.points.clone()];
+            let u = rubs.then_some(u);
             let response = contact.response(points, u, |i| own[i], h, &mut out.points);
             out.contacts.push(response);
         }
@@ -251,7 +264,7 @@ impl Terms {
             let (at, dir) = (&from.1.points[own.clone()], &along.1.points[own.clone()]);
             let velocity = |i: usize| at[i].plus(&dir[i], alpha);
             let u = v + w * alpha;
-            let response = contact.response(points, &u, velocity, h, &mut out.points);
+            let response = contact.response(points, Some(&u), velocity, h, &mut out.points);
             slope -= Contact::power((&response, &out.points[own]), (w, dir), h);
             out.contacts.push(response);
         }

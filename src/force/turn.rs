@@ -244,6 +244,7 @@ impl Turn {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::Radial;
     use crate::spatial::Mat3;
 
     fn turn() -> Turn {
@@ -257,12 +258,14 @@ mod tests {
                 stiffness: 300.0,
                 damping: 4.0,
                 displacement: torsion,
+                limit: Radial,
             },
             rolling: ElastoPlastic {
                 cap: 0.2,
                 stiffness: 200.0,
                 damping: 3.0,
                 displacement: roll,
+                limit: Radial,
             },
             ..Turn::default()
         }

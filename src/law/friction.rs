@@ -5,7 +5,8 @@
 //!
 //! 1. Spring and damper together would give `y = k ς + (k h + d) u`.
 //! 2. The force is `F = y` while `|y| ≤ F̄` (the element sticks), else `F̄ ŷ` with `ŷ = y/|y|` (it
-//!    slips along `ŷ`).
+//!    slips along `ŷ`). Of a face it is the nearest force to `y` of those that it can bear, see
+//!    [`super::face`], and `ŷ` is the direction of the difference.
 //! 3. The displacement after the step is `(F − d u)/k`, at which the spring alone gives what the
 //!    damper leaves of `F`. Along the slip it may only approach that value, see
 //!    `ElastoPlastic::slipped`.
@@ -20,85 +21,15 @@
 //! Source: Castro et al. 2022 (the force is the gradient of the Moreau envelope of Coulomb's
 //! dissipation); Armstrong-Hélouvry, Dupont & Canudas de Wit 1994 for the Stribeck curve.
 
+use super::face::Face;
+use super::limit::{Limit, Radial, Resistance, Vector};
 use crate::spatial::Vec3;
 use crate::tuning::ROUND_OFF;
-use std::ops::{Add, Div, Mul, Sub};
-
-/// A displacement, velocity or force along a line ([`f64`]) or in a plane or in space ([`Vec3`]).
-pub trait Vector:
-    Copy
-    + Default
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<f64, Output = Self>
-    + Div<f64, Output = Self>
-{
-    /// Inner product.
-    fn dot(&self, other: &Self) -> f64;
-
-    /// Direction of a vector that is longer than `length`, and one over its own length; zero
-    /// instead of the latter along a line, which has no directions but its own. None for a vector
-    /// that is not longer.
-    fn beyond(&self, length: f64) -> Option<(Self, f64)>;
-
-    /// The vector, shortened to `length` where it is longer.
-    #[must_use]
-    fn clip(self, length: f64) -> Self;
-}
-
-impl Vector for f64 {
-    #[inline]
-    fn dot(&self, other: &Self) -> f64 {
-        self * other
-    }
-
-    #[inline]
-    fn beyond(&self, length: f64) -> Option<(Self, f64)> {
-        if self.abs() <= length {
-            None
-        } else {
-            Some((self.signum(), 0.0))
-        }
-    }
-
-    #[inline]
-    fn clip(self, length: f64) -> Self {
-        self.clamp(-length, length)
-    }
-}
-
-impl Vector for Vec3 {
-    #[inline]
-    fn dot(&self, other: &Self) -> f64 {
-        Self::dot(self, other)
-    }
-
-    #[inline]
-    fn beyond(&self, length: f64) -> Option<(Self, f64)> {
-        let squared = self.norm_squared();
-        if squared <= length * length {
-            None
-        } else {
-            let inverse = 1.0 / squared.sqrt();
-            Some((self * inverse, inverse))
-        }
-    }
-
-    #[inline]
-    fn clip(self, length: f64) -> Self {
-        let squared = self.norm_squared();
-        if squared > length * length {
-            self * (length / squared.sqrt())
-        } else {
-            self
-        }
-    }
-}
 
 /// A spring–damper with a capped force. Units are those of a force (N, or N·m about an axis) and of
 /// a displacement (m or rad).
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ElastoPlastic<X> {
+pub struct ElastoPlastic<X, L = Radial> {
     /// Force that slips, N or N·m; may be infinite; 0: the element does nothing.
     pub cap: f64,
     /// Stiffness `k`, N/m or N·m/rad.
@@ -107,20 +38,11 @@ pub struct ElastoPlastic<X> {
     pub damping: f64,
     /// Stored displacement `ς` at the start of the step, m or rad.
     pub displacement: X,
+    /// Which forces it can bear.
+    pub limit: L,
 }
 
-/// What an elasto-plastic element gives for a velocity.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Resistance<X> {
-    /// Force against the velocity, N or N·m.
-    pub force: X,
-    /// Derivative of the force with the velocity in every direction but `slip`, N·s/m or N·m·s/rad.
-    pub slope: f64,
-    /// Direction in which the element slips and the force does not change; zero while it sticks.
-    pub slip: X,
-}
-
-impl<X: Vector> ElastoPlastic<X> {
+impl<X: Vector, L: Limit<X>> ElastoPlastic<X, L> {
     /// Resistance to the relative velocity `u` at the end of a step of `h` seconds.
     #[inline]
     pub fn respond(&self, u: X, h: f64) -> Resistance<X> {
@@ -129,31 +51,26 @@ impl<X: Vector> ElastoPlastic<X> {
         }
         let b = self.stiffness * h + self.damping;
         let y = self.displacement * self.stiffness + u * b;
-        match y.beyond(self.cap) {
-            None => Resistance {
-                force: y,
-                slope: b,
-                slip: X::default(),
-            },
-            Some((slip, inverse)) => Resistance {
-                force: slip * self.cap,
-                slope: b * self.cap * inverse,
-                slip,
-            },
-        }
+        self.limit.bear(y, self.cap, b)
     }
 
     /// Displacement after a step of `h` seconds that ends with the relative velocity `u`.
     #[inline]
     pub fn next(&self, u: X, h: f64) -> X {
+        self.next_after(&self.respond(u, h), u, h)
+    }
+
+    /// The same where its resistance `r` is known.
+    #[inline]
+    pub fn next_after(&self, r: &Resistance<X>, u: X, h: f64) -> X {
         if self.cap <= 0.0 {
             return X::default();
         }
-        let Resistance { force, slip, .. } = self.respond(u, h);
-        let settled = (force - u * self.damping) / self.stiffness;
+        let slip = r.slip;
+        let settled = (r.force - u * self.damping) / self.stiffness;
         let (before, after) = (slip.dot(&self.displacement), slip.dot(&settled));
         let next = settled + slip * (self.slipped(before, after, h) - after);
-        next.clip(self.cap / self.stiffness)
+        self.limit.clip(next, self.cap / self.stiffness)
     }
 
     /// Share of the relative velocity `u` at the end of a step of `h` seconds that the spring does
@@ -161,12 +78,18 @@ impl<X: Vector> ElastoPlastic<X> {
     /// element stuck: then the slip begins where spring and damper give the cap.
     #[inline]
     pub fn sliding(&self, u: X, wound: f64, h: f64) -> f64 {
+        self.sliding_after(&self.respond(u, h), u, wound, h)
+    }
+
+    /// The same where its resistance `r` is known.
+    #[inline]
+    pub fn sliding_after(&self, r: &Resistance<X>, u: X, wound: f64, h: f64) -> f64 {
         let speed = u.dot(&u).sqrt();
-        let slip = self.respond(u, h).slip;
+        let Resistance { force, slip, .. } = *r;
         if slip.dot(&slip) <= 0.0 || speed <= 0.0 {
             return 0.0;
         }
-        let left = (self.cap - self.stiffness * slip.dot(&self.displacement)).max(0.0);
+        let left = (slip.dot(&force) - self.stiffness * slip.dot(&self.displacement)).max(0.0);
         let wound = left.min(wound * self.damping) / (self.damping + h * self.stiffness);
         (1.0 - wound / speed).max(0.0)
     }
@@ -218,13 +141,28 @@ impl<X: Vector> ElastoPlastic<X> {
         } else {
             0.0
         };
-        displacement.clip(limit)
+        self.limit.clip(displacement, limit)
     }
 
     /// Energy of the spring, J, times two.
     #[inline]
     pub fn twice_stored(&self) -> f64 {
         self.stiffness * self.displacement.dot(&self.displacement)
+    }
+}
+
+impl ElastoPlastic<Vec3, Face> {
+    /// Derivative with the cap of a force that it gives over `h` seconds while it slips. The
+    /// force `f` is in proportion to what spring and damper give and the cap together, so that
+    /// `F̄ ∂f/∂F̄ = f − (∂f/∂y) y`; and `∂f/∂y` takes from `y` and `f` the same, because nothing
+    /// changes along the slip `ŝ`: the share of [`Resistance::slope`] of `f − ŝ (ŝ·f)`.
+    pub fn growth(&self, r: &Resistance<Vec3>, h: f64) -> Vec3 {
+        if self.limit.is_point() {
+            return r.slip;
+        }
+        let share = r.slope / (self.stiffness * h + self.damping);
+        let left = r.force * (1.0 - share) + r.slip * (share * r.slip.dot(&r.force));
+        left / self.cap
     }
 }
 
@@ -294,6 +232,7 @@ mod tests {
                 stiffness: 2e4,
                 damping: 30.0,
                 displacement: random.uniform(-1.5e-4, 1.5e-4),
+                limit: Radial,
             };
             let paid = h * u * element.respond(u, h).force;
             let before = element.displacement;
@@ -314,6 +253,7 @@ mod tests {
                 stiffness: 2e4,
                 damping: 30.0,
                 displacement,
+                limit: Radial,
             };
             let h = 1e-6 * element.damping / element.stiffness;
             let limit = element.cap / element.stiffness;
@@ -332,6 +272,7 @@ mod tests {
             stiffness: 1e3,
             damping: 1.0,
             displacement: 1e-3,
+            limit: Radial,
         };
         assert!(element.next(0.0, 1e-2).abs() < f64::MIN_POSITIVE);
         assert!(element.next_under_falling_cap(0.0, 1e-2).abs() < f64::MIN_POSITIVE);
@@ -351,12 +292,14 @@ mod tests {
                 stiffness: 2e4,
                 damping: 30.0,
                 displacement: random.uniform(-1e-4, 1e-4),
+                limit: Radial,
             };
             let space = ElastoPlastic {
                 cap: line.cap,
                 stiffness: line.stiffness,
                 damping: line.damping,
                 displacement: axis * line.displacement,
+                limit: Radial,
             };
             let (a, b) = (line.respond(u, h), space.respond(axis * u, h));
             assert!((axis * a.force - b.force).norm() < 1e-12 * line.cap);

@@ -154,11 +154,31 @@ impl Newton {
             return self.guess(p, v0, v0);
         }
         self.at.set(p.terms, &p.kin.V);
-        self.respond(p);
+        self.respond(p, true);
     }
 
     /// Takes any velocity `v` as the guess, of a step that starts with `v0`.
     pub fn guess(&mut self, p: &Problem, v0: &[f64], v: &[f64]) {
+        self.take(p, v0, v);
+        self.stand(p);
+    }
+
+    /// The same, with the friction cones that the guess has.
+    pub fn guess_with_cones(
+        &mut self,
+        (frame, terms): (&Frame, &mut Terms),
+        v0: &[f64],
+        v: &[f64],
+    ) {
+        let p = &frame.with(terms);
+        self.take(p, v0, v);
+        self.move_to(p);
+        self.respond(p, false);
+        self.carry_here(terms, frame.h);
+    }
+
+    /// Takes any velocity `v`, of a step that starts with `v0`, and its momentum.
+    fn take(&mut self, p: &Problem, v0: &[f64], v: &[f64]) {
         for ((change, v), v0) in self.v.iter_mut().zip(v).zip(v0) {
             *change = v - v0;
         }
@@ -178,22 +198,28 @@ impl Newton {
                 self.change[k] = -(p.h * p.bias[k]);
             }
         }
-        self.stand(p);
     }
 
     /// Finds the responses at `v`.
     fn stand(&mut self, p: &Problem) {
+        self.move_to(p);
+        self.respond(p, true);
+    }
+
+    /// Finds the velocities of contacts at `v`.
+    fn move_to(&mut self, p: &Problem) {
         if !p.terms.is_free() {
             forward(p.tree, &p.kin.S, &self.v, &mut self.V);
         }
         self.at.set(p.terms, &self.V);
-        self.respond(p);
     }
 
-    fn respond(&mut self, p: &Problem) {
+    /// - `rubs`: whether friction of contacts is found, too
+    fn respond(&mut self, p: &Problem, rubs: bool) {
         self.factored = false;
         self.mark_loaded(p.tree, p.terms);
-        p.terms.respond(&self.v, &self.at, p.h, &mut self.responses);
+        let at = (&self.at, rubs);
+        p.terms.respond_with(&self.v, at, p.h, &mut self.responses);
     }
 
     /// Minimises from the guess.
@@ -211,7 +237,7 @@ impl Newton {
     ///
     /// - `contacts`: those of this solve
     pub fn factor_for(&self, contacts: &ContactSet, next: &Self, p: &Problem) -> Option<&Factor> {
-        let regime = |r: &Response| (r.presses(), r.friction.slope > 0.0, r.slips());
+        let regime = |r: &Response| (r.presses(), r.friction.around > 0.0, r.slips());
         let now = p.terms.contacts.iter().zip(&next.responses.contacts);
         let then = contacts.iter().zip(&self.responses.contacts);
         let alike = self.factored

@@ -262,8 +262,7 @@ impl Fixed {
         if turning {
             implicit
                 .full
-                .guess(&frame.with(terms), &from.v, &self.first);
-            implicit.full.carry_here(terms, h);
+                .guess_with_cones((&frame, terms), &from.v, &self.first);
         } else {
             implicit.full.carry((tree, kin), terms, h);
         }

@@ -449,8 +449,7 @@ impl Stages {
             ahead: 0.5 * DRIFT[stage] * (eta / GAMMA),
             accuracy: [accuracy, fixed.unwrap_or(coarser(accuracy))],
         };
-        solved.guess(&frame.with(terms), &self.from, &self.guess);
-        solved.carry_here(terms, eta);
+        solved.guess_with_cones((&frame, terms), &self.from, &self.guess);
         let shared = before
             .and_then(|(first, contacts)| first.factor_for(contacts, solved, &frame.with(terms)));
         let cones = lag_allowed(ctx, eta / GAMMA);

@@ -144,7 +144,7 @@ impl Newton {
         self.change.fill(0.0);
         self.V.fill([0.0; 6]);
         self.at.set(p.terms, &self.V);
-        self.respond(p);
+        self.respond(p, true);
         self.collect(p);
         let closed = !p.kin.loops.is_empty();
         if closed {

@@ -93,7 +93,7 @@ impl Newton {
         if !terms.foresee(&self.V, &self.responses, h, growth) {
             return;
         }
-        let most = self.follow((tree, kin), (terms, 0), factor);
+        let most = self.follow((tree, kin), (terms, h, 0), factor);
         let mut shares = [1.0, 0.0];
         if most <= bound {
             self.turn(1.0);
@@ -105,7 +105,7 @@ impl Newton {
             } else {
                 shares = [1.0, share];
                 self.turn(1.0);
-                self.follow((tree, kin), (terms, 1), factor);
+                self.follow((tree, kin), (terms, h, 1), factor);
             }
             self.turn(share);
         }
@@ -118,12 +118,12 @@ impl Newton {
     fn follow(
         &mut self,
         (tree, kin): (&Tree, &Kinematics),
-        (terms, part): (&Terms, usize),
+        (terms, h, part): (&Terms, f64, usize),
         factor: Option<&Factor>,
     ) -> f64 {
         self.clear_forces(tree);
         let growth = (&self.growth[..], part);
-        terms.add_growth(&self.responses, growth, &mut self.F);
+        terms.add_growth((&self.responses, h), growth, &mut self.F);
         self.answer((tree, kin), factor)
     }
 

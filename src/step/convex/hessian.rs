@@ -43,7 +43,7 @@ impl Newton {
         let mut any = !p.terms.springs.is_empty();
         for (contact, response) in p.terms.contacts.iter().zip(&self.responses.contacts) {
             // What no longer presses is still damped against rocking by the load of the start.
-            if response.presses() || response.friction.slope > 0.0 || contact.load > 0.0 {
+            if response.presses() || response.friction.around > 0.0 || contact.load > 0.0 {
                 any = true;
                 let own = contact.points.clone();
                 let points = &p.terms.contacts.points[own.clone()];
@@ -277,9 +277,9 @@ fn add_contact(
     }
     let friction = &response.0.friction;
     let slope = h * friction.slope;
-    if slope > 0.0 {
+    if friction.around > 0.0 {
         let n = &contact.normal;
-        let mut add = |direction: &Vec3| {
+        let mut add = |direction: &Vec3, slope: f64| {
             let (along, moment) = contact.lever(direction);
             add_square(G, &join(&moment, &along), slope);
         };
@@ -290,10 +290,10 @@ fn add_contact(
         let axis = if slips { friction.slip } else { *n };
         let first = n.cross(&axis).try_normalize(1e-12);
         let first = first.unwrap_or_else(|| across(n));
-        add(&first);
-        add(&axis.cross(&first));
+        add(&first, h * friction.around);
+        add(&axis.cross(&first), slope);
         if contact.radius > 0.0 && !slips {
-            add(n);
+            add(n, slope);
         }
     }
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::dynamics::{crba, rnea};
 use crate::force::tests::random_contact;
 use crate::force::{Contact, ContactSet, Drive, JointTerm, Other, Turn};
-use crate::law::{ElastoPlastic, SpeedLine};
+use crate::law::{ElastoPlastic, Radial, SpeedLine};
 use crate::model::RootKind;
 use crate::parameters::Parameters;
 use crate::spatial::Vec3;
@@ -171,12 +171,14 @@ fn random_turn(random: &mut Random, (contact, c): (usize, &Contact)) -> Turn {
             stiffness: 50.0,
             damping: 2.0,
             displacement: random.uniform(-1e-2, 1e-2),
+            limit: Radial,
         },
         rolling: ElastoPlastic {
             cap: random.uniform(0.0, 4.0),
             stiffness: 80.0,
             damping: 1.0,
             displacement: across(&c.normal, random.vector(1e-2)),
+            limit: Radial,
         },
         ..Turn::default()
     }
