@@ -148,7 +148,7 @@ spoil!(Resistance<Vec3>: force slope around slip;);
 spoil!(PointResponse: weight bend impulse rock rocking tilting lean end;);
 spoil!(PointVelocity: along tilt;);
 spoil!(TurnResponse: impulse normal tangential slip;);
-spoil!(JointResponse: impulse stiffness effort;);
+spoil!(JointResponse: impulse stiffness effort opposed;);
 spoil!(Touch: slot displacement turn bounce sliding;);
 spoil!(Memory: touches motor dry sliding;);
 spoil!(Trend: first whole;);

@@ -38,6 +38,9 @@ pub struct JointResponse {
     /// Sum of the magnitudes in the impulse: what a balance of motor and limit is to be measured
     /// by.
     pub effort: f64,
+    /// Size of both impulses that the one of a limit is the difference of, by its gap and by the
+    /// velocity: where a step just reaches the limit, nothing but their round-off is left.
+    pub opposed: f64,
 }
 
 /// Everything that acts along one degree of freedom in a step.
@@ -152,6 +155,7 @@ impl JointTerm {
             impulse: h * (force - resistance),
             stiffness: h * (self.damping - slope),
             effort: h * (force.abs() + resistance.abs()),
+            opposed: 0.0,
         };
         if self.dry.cap > 0.0 {
             let dry = self.dry.respond(v, h);
@@ -175,6 +179,7 @@ impl JointTerm {
             r.impulse += sign * impulse;
             r.stiffness += stiffness;
             r.effort += impulse;
+            r.opposed += stiffness * v.abs();
         }
         r
     }

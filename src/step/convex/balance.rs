@@ -118,8 +118,18 @@ impl Newton {
         }
         run.rounded = true;
         let Responses {
-            contacts, turns, ..
+            joints,
+            contacts,
+            turns,
+            ..
         } = &self.responses;
+        let stopped = p.terms.joints.iter().zip(joints);
+        for (term, r) in stopped.filter(|(_, r)| r.opposed > 0.0) {
+            let own = |(_, extent): &(usize, &Extent)| extent.dofs.contains(&term.dof);
+            if let Some((index, _)) = tree.moved().find(own) {
+                self.round_off[index].impulses += r.opposed * r.opposed;
+            }
+        }
         let of_contacts = p.terms.contacts.iter().zip(contacts).map(|(contact, r)| {
             let friction = h * h * r.friction.force.norm_squared();
             let other = contact.other.as_ref().map(|other| other.body);

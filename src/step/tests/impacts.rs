@@ -345,6 +345,28 @@ fn a_limb_that_comes_to_its_limit_takes_few_steps() {
     }
 }
 
+/// Steps end where a joint comes to its limit, so that its impulse there is a difference of two
+/// that are equal but for their round-off. Where nothing else pushes the joint, that is all that is
+/// left to balance: it has to be told from what a solve has not found yet. It went on for all of
+/// its 50 iterations, and the step was taken for one that cannot be solved.
+#[test]
+fn what_just_comes_to_its_limit_is_solved_in_few_iterations() {
+    for tenths in 140..260 {
+        let mut b = Builder::new(false, RigidInertia::ZERO);
+        let rod = inertia(2e-3, Vec3::new(0.03, 0.0, 0.0), [1e-7, 6e-7, 6e-7]);
+        let motion = Motion::Revolute(Vec3::z());
+        let link = b.link(0u32.into_link(), Pose::IDENTITY, motion, rod);
+        b.limits(link, -1.0, 1.0);
+        let joint = b.model.links[link.index()].joint.expect("a joint");
+        b.model.joints[joint.index()].effort = Some(1.0);
+        b.model.initial.joint_velocities[0] = 0.1 * f64::from(tenths);
+        let mut s = start(b.model, 1e-3);
+        run(&mut s, 0.1, 1.0 / 240.0);
+        let counters = s.state().stepping.counters;
+        assert!(counters.newton_max < 30, "{tenths}: {counters:?}");
+    }
+}
+
 /// A pendulum of 0.5 kg on a free cart of 1 kg turns at 12 rad/s to its limit, wherever that is,
 /// and rests there. Without gravity nothing pushes the cart and the pendulum together: cart and
 /// pendulum then have the common velocity that their momentum at the start says. Before the
