@@ -83,6 +83,32 @@ fn summed(
     [x[0], x[1], angle]
 }
 
+/// A thin plate of 1 kg on the ground that begins to slide along x and to spin.
+///
+/// - mean squares of its extent along x and y, m², and half of its thickness, m
+/// - `speed`, `spin`: m/s and rad/s
+/// - `step`, `tolerance`: see [`MODES`]
+fn thrown(
+    (shape, [a, b], thick): (Shape, [f64; 2], f64),
+    mu: f64,
+    [speed, spin]: [f64; 2],
+    (step, tolerance): (f64, f64),
+) -> Simulation {
+    let mut builder = Builder::new(true, inertia(1.0, Vec3::zeros(), [b, a, a + b]));
+    builder.shape(0u32.into_link(), shape, Pose::IDENTITY);
+    let root = &mut builder.model.roots[0];
+    root.position.z = thick;
+    root.linear_velocity.x = speed;
+    root.angular_velocity.z = spin;
+    builder.model.links[0].friction = mu;
+    builder.model.world.ground = Some(crate::model::Ground {
+        friction: mu,
+        ..Default::default()
+    });
+    builder.model.solver.step_size = step;
+    start(builder.model, tolerance)
+}
+
 /// Where thin plates and a disc that slide and spin come to stand, against such sums, in shares of
 /// the way and of the angle. By how much the law itself differs from these is known: the plane
 /// equations of motion with its arcs and those with sums were both integrated by `SciPy`'s RK45 at
@@ -119,19 +145,8 @@ fn what_slides_and_spins_goes_as_far_as_its_points_do_together() {
             }
         };
         for (step, tolerance) in MODES {
-            let mut builder = Builder::new(true, inertia(1.0, Vec3::zeros(), [b, a, a + b]));
-            builder.shape(0u32.into_link(), shape.clone(), Pose::IDENTITY);
-            let root = &mut builder.model.roots[0];
-            root.position.z = thick;
-            root.linear_velocity.x = speed;
-            root.angular_velocity.z = spin;
-            builder.model.links[0].friction = mu;
-            builder.model.world.ground = Some(crate::model::Ground {
-                friction: mu,
-                ..Default::default()
-            });
-            builder.model.solver.step_size = step;
-            let mut s = start(builder.model, tolerance);
+            let plate = (shape.clone(), [a, b], thick);
+            let mut s = thrown(plate, mu, [speed, spin], (step, tolerance));
             let (mut angle, mut yaw) = (0.0, 0.0);
             for i in 1..=480 {
                 run(&mut s, f64::from(i) / 240.0, 1.0 / 240.0);
@@ -244,24 +259,12 @@ fn a_disc_stops_sliding_and_spinning_at_once() {
         ),
     ] {
         for (step, tolerance) in [(0.0, 1e-3), (0.0, 1e-4), (1.0 / 960.0, 1e-3)] {
-            let [a, b] = [0.25 * radius * radius, 0.5 * radius * radius];
-            let mut builder = Builder::new(true, inertia(1.0, Vec3::zeros(), [a, a, b]));
             let shape = Shape::Cylinder {
                 radius,
                 half_length: thick,
             };
-            builder.shape(0u32.into_link(), shape, Pose::IDENTITY);
-            let root = &mut builder.model.roots[0];
-            root.position.z = thick;
-            root.linear_velocity.x = speed;
-            root.angular_velocity.z = spin;
-            builder.model.links[0].friction = mu;
-            builder.model.world.ground = Some(crate::model::Ground {
-                friction: mu,
-                ..Default::default()
-            });
-            builder.model.solver.step_size = step;
-            let mut s = start(builder.model, tolerance);
+            let disc = (shape, [0.25 * radius * radius; 2], thick);
+            let mut s = thrown(disc, mu, [speed, spin], (step, tolerance));
             let (mut ratio, mut last) = (0.0, [0.0; 2]);
             let mut before = [speed, radius * spin];
             let first = 0.2 * speed;
