@@ -38,9 +38,6 @@ pub struct JointResponse {
     /// Sum of the magnitudes in the impulse: what a balance of motor and limit is to be measured
     /// by.
     pub effort: f64,
-    /// Size of both impulses that the one of a limit is the difference of, by its gap and by the
-    /// velocity: where a step just reaches the limit, nothing but their round-off is left.
-    pub opposed: f64,
 }
 
 /// Everything that acts along one degree of freedom in a step.
@@ -155,7 +152,6 @@ impl JointTerm {
             impulse: h * (force - resistance),
             stiffness: h * (self.damping - slope),
             effort: h * (force.abs() + resistance.abs()),
-            opposed: 0.0,
         };
         if self.dry.cap > 0.0 {
             let dry = self.dry.respond(v, h);
@@ -174,12 +170,10 @@ impl JointTerm {
         if self.gap.iter().all(|gap| *gap > h * v.abs()) {
             return r;
         }
-        for (gap, sign) in [(self.gap[0], 1.0), (self.gap[1], -1.0)] {
-            let (impulse, stiffness) = self.limit.respond(gap, sign * v, h);
+        for ((impulse, stiffness), sign) in self.pushed_back(v, h).into_iter().zip([1.0, -1.0]) {
             r.impulse += sign * impulse;
             r.stiffness += stiffness;
             r.effort += impulse;
-            r.opposed += stiffness * v.abs();
         }
         r
     }
@@ -233,11 +227,26 @@ impl JointTerm {
         self.dry.cap - cap(friction, self.dry.sliding(v, self.wound, h) * v)
     }
 
+    /// What each of the limits gives at the end of a step of `h` seconds with the velocity `v`
+    /// there, see [`HuntCrossley::respond`].
+    #[inline]
+    fn pushed_back(&self, v: f64, h: f64) -> [(f64, f64); 2] {
+        let [lower, upper] = self.gap;
+        [(lower, v), (upper, -v)].map(|(gap, v)| self.limit.respond(gap, v, h))
+    }
+
+    /// Size of both impulses that the one of a limit is the difference of, N·m·s or N·s: one by the
+    /// gap, the other one by the velocity `v`. Where a step just reaches the limit, nothing but
+    /// their round-off is left.
+    pub fn opposed(&self, v: f64, h: f64) -> f64 {
+        let [lower, upper] = self.pushed_back(v, h);
+        (lower.1 + upper.1) * v.abs()
+    }
+
     /// Whether each of the limits acts at the end of a step of `h` seconds with the velocity `v`
     /// there.
     pub fn at_limits(&self, v: f64, h: f64) -> [bool; 2] {
-        let [lower, upper] = self.gap;
-        [(lower, v), (upper, -v)].map(|(gap, v)| self.limit.respond(gap, v, h).0 > 0.0)
+        self.pushed_back(v, h).map(|(impulse, _)| impulse > 0.0)
     }
 
     /// Whether a limit can act within `h` seconds at velocity `v`.

@@ -117,19 +117,16 @@ impl Newton {
             off.per_impulse = ROUND_OFF * ROUND_OFF * lightest * lever * lever;
         }
         run.rounded = true;
-        let Responses {
-            joints,
-            contacts,
-            turns,
-            ..
-        } = &self.responses;
-        let stopped = p.terms.joints.iter().zip(joints);
-        for (term, r) in stopped.filter(|(_, r)| r.opposed > 0.0) {
+        for term in &p.terms.joints {
+            let opposed = term.opposed(self.v[term.dof], h);
             let own = |(_, extent): &(usize, &Extent)| extent.dofs.contains(&term.dof);
-            if let Some((index, _)) = tree.moved().find(own) {
-                self.round_off[index].impulses += r.opposed * r.opposed;
+            if let Some((index, _)) = tree.moved().find(own).filter(|_| opposed > 0.0) {
+                self.round_off[index].impulses += opposed * opposed;
             }
         }
+        let Responses {
+            contacts, turns, ..
+        } = &self.responses;
         let of_contacts = p.terms.contacts.iter().zip(contacts).map(|(contact, r)| {
             let friction = h * h * r.friction.force.norm_squared();
             let other = contact.other.as_ref().map(|other| other.body);
