@@ -9,7 +9,7 @@ use crate::force::{
 };
 use crate::kinematics::Kinematics;
 use crate::law::normal::Stiffening;
-use crate::law::{Damping, ElastoPlastic, HuntCrossley, Resistance, SpeedLine};
+use crate::law::{Damping, ElastoPlastic, HuntCrossley, Radial, Resistance, SpeedLine};
 use crate::spatial::{Mat3, Pose, SpatialInertia, Vec3};
 use crate::state::{Physical, State, Trend};
 
@@ -123,19 +123,24 @@ impl<T: Spoil> Spoil for Vec<T> {
     }
 }
 
-impl<X: Spoil, L> Spoil for ElastoPlastic<X, L> {
+impl Spoil for Radial {
+    fn spoil(&mut self) {}
+}
+
+impl<X: Spoil, L: Spoil> Spoil for ElastoPlastic<X, L> {
     fn spoil(&mut self) {
         let Self {
             cap,
             stiffness,
             damping,
             displacement,
-            limit: _,
+            limit,
         } = self;
         for number in [cap, stiffness, damping] {
             number.spoil();
         }
         displacement.spoil();
+        limit.spoil();
     }
 }
 
@@ -148,7 +153,7 @@ spoil!(Resistance<Vec3>: force slope around slip;);
 spoil!(PointResponse: weight bend impulse rock rocking tilting lean end;);
 spoil!(PointVelocity: along tilt;);
 spoil!(TurnResponse: impulse normal tangential slip;);
-spoil!(JointResponse: impulse stiffness effort opposed;);
+spoil!(JointResponse: impulse stiffness effort;);
 spoil!(Touch: slot displacement turn bounce sliding;);
 spoil!(Memory: touches motor dry sliding;);
 spoil!(Trend: first whole;);

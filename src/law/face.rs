@@ -66,6 +66,9 @@ use crate::tuning::{EVEN_BETWEEN, EVEN_LEAST, EVEN_SPIN, EVEN_TURN};
 #[cfg(test)]
 mod tests;
 
+#[cfg(test)]
+crate::spoil::spoil!(Face: normal ends middle borders;);
+
 /// The set of a face with an even pressure, for a force along it and a moment about its normal over
 /// the mean distance `ρ`; all lengths in caps. By default that of a point.
 #[derive(Clone, Copy, Debug, Default)]
