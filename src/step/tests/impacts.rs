@@ -315,25 +315,27 @@ fn a_fast_ball_does_not_pass_through_a_mesh() {
     }
 }
 
+/// A limb of 2 g that swings at `speed`, rad/s, from the middle between stiff limits at ±1 rad.
+/// Nothing else turns it.
+fn limb(speed: f64) -> Model {
+    let mut b = Builder::new(false, RigidInertia::ZERO);
+    let rod = inertia(2e-3, Vec3::new(0.03, 0.0, 0.0), [1e-7, 6e-7, 6e-7]);
+    let motion = Motion::Revolute(Vec3::z());
+    let link = b.link(0u32.into_link(), Pose::IDENTITY, motion, rod);
+    b.limits(link, -1.0, 1.0);
+    let joint = b.model.links[link.index()].joint.expect("a joint");
+    b.model.joints[joint.index()].effort = Some(1.0);
+    b.model.initial.joint_velocities[0] = speed;
+    b.model
+}
+
 /// A limb of 2 g that swings at 20 rad/s against a stiff limit stays there, but for the 1/51 rad/s
 /// that the law gives back: it is at rest within a microsecond, which no step need resolve. What is
 /// left of an impact may err by the tolerance in 0.1 s at the limb's reach.
 #[test]
 fn a_limb_that_comes_to_its_limit_takes_few_steps() {
     for tolerance in [1e-3, 3e-4] {
-        let mut b = Builder::new(false, RigidInertia::ZERO);
-        let rod = inertia(2e-3, Vec3::new(0.03, 0.0, 0.0), [1e-7, 6e-7, 6e-7]);
-        let link = b.link(
-            0u32.into_link(),
-            Pose::IDENTITY,
-            Motion::Revolute(Vec3::z()),
-            rod,
-        );
-        b.limits(link, -1.0, 1.0);
-        let joint = b.model.links[link.index()].joint.expect("a joint");
-        b.model.joints[joint.index()].effort = Some(1.0);
-        b.model.initial.joint_velocities[0] = 20.0;
-        let mut s = start(b.model, tolerance);
+        let mut s = start(limb(20.0), tolerance);
         run(&mut s, 0.1, 1.0 / 240.0);
         let (q, v) = (s.state().physical.q[0], s.state().physical.v[0]);
         let counters = s.state().stepping.counters;
@@ -352,15 +354,7 @@ fn a_limb_that_comes_to_its_limit_takes_few_steps() {
 #[test]
 fn what_just_comes_to_its_limit_is_solved_in_few_iterations() {
     for tenths in 140..260 {
-        let mut b = Builder::new(false, RigidInertia::ZERO);
-        let rod = inertia(2e-3, Vec3::new(0.03, 0.0, 0.0), [1e-7, 6e-7, 6e-7]);
-        let motion = Motion::Revolute(Vec3::z());
-        let link = b.link(0u32.into_link(), Pose::IDENTITY, motion, rod);
-        b.limits(link, -1.0, 1.0);
-        let joint = b.model.links[link.index()].joint.expect("a joint");
-        b.model.joints[joint.index()].effort = Some(1.0);
-        b.model.initial.joint_velocities[0] = 0.1 * f64::from(tenths);
-        let mut s = start(b.model, 1e-3);
+        let mut s = start(limb(0.1 * f64::from(tenths)), 1e-3);
         run(&mut s, 0.1, 1.0 / 240.0);
         let counters = s.state().stepping.counters;
         assert!(counters.newton_max < 30, "{tenths}: {counters:?}");
